@@ -1,0 +1,1 @@
+//! Set-valued estimation: the observer over a list of boxes.

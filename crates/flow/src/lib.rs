@@ -1,0 +1,1 @@
+//! Validated integration of one step across mode switches.

@@ -1,0 +1,1 @@
+//! Sound interval arithmetic: directed rounding, elementary functions, exact decimal text.

@@ -1,0 +1,188 @@
+//! The model: immutable mathematics of a dynamic system and of what is measured of it.
+
+use crate::diagnostic::SourceText;
+use crate::graph::{ExprId, Graph};
+use std::sync::Arc;
+use veribound_interval::{Decimal, Interval};
+
+/// A dynamic system `x' ∈ F(x, p, u)` with modes, its uncertain quantities and its outputs.
+///
+/// Solutions are Filippov solutions: where guards of modes overlap or touch, the right-hand side
+/// is the convex hull of the modes active there. Parameters are constant (or new after a declared
+/// reset); an input is held from one sample to the next and may be any measurable function inside
+/// its declared error bound.
+#[derive(Debug, Clone)]
+pub struct Model {
+    /// Name from the file, or the file's stem.
+    pub name: String,
+    /// All expressions of the model, shared.
+    pub graph: Graph,
+    /// States, in the order of every table.
+    pub states: Vec<State>,
+    /// Inputs, held from sample to sample.
+    pub inputs: Vec<Input>,
+    /// Unknown parameters with their priors.
+    pub params: Vec<Param>,
+    /// Modes; at least one. A model without switches has the one mode `smooth`, always active.
+    pub modes: Vec<Mode>,
+    /// Measured outputs.
+    pub outputs: Vec<Output>,
+    /// Binary signals, and what they prove.
+    pub signals: Vec<Signal>,
+    /// The text the model was read from.
+    pub source: Arc<SourceText>,
+}
+
+/// A state of the system.
+#[derive(Debug, Clone)]
+pub struct State {
+    /// The user's name.
+    pub name: String,
+    /// The user's unit, as written; empty when none is given.
+    pub unit: String,
+    /// Start box.
+    pub init: Interval,
+}
+
+/// An input, known at the samples up to its error bound and held between them.
+#[derive(Debug, Clone)]
+pub struct Input {
+    /// The user's name.
+    pub name: String,
+    /// The user's unit, as written.
+    pub unit: String,
+    /// Hard error bound.
+    pub error: ErrorBound,
+}
+
+/// An unknown parameter.
+#[derive(Debug, Clone)]
+pub struct Param {
+    /// The user's name.
+    pub name: String,
+    /// The user's unit, as written.
+    pub unit: String,
+    /// Prior bounds.
+    pub bounds: Interval,
+    /// A value that only figures show; never used in a proof.
+    pub nominal: Option<Decimal>,
+}
+
+/// A mode: where it is active, and the right-hand side there.
+#[derive(Debug, Clone)]
+pub struct Mode {
+    /// The user's name, or one made from the set-valued functions it comes from.
+    pub name: String,
+    /// Where the mode is active.
+    pub guard: Guard,
+    /// Time derivative of every state, in the order of [`Model::states`].
+    pub der: Vec<ExprId>,
+}
+
+/// A condition on states, inputs and parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Guard {
+    /// True everywhere.
+    Always,
+    /// `expr relation 0`.
+    Atom {
+        /// Left side minus right side of the comparison as written.
+        expr: ExprId,
+        /// How it compares to zero.
+        relation: Relation,
+    },
+    /// Every one holds.
+    All(Vec<Guard>),
+    /// At least one holds.
+    Any(Vec<Guard>),
+}
+
+/// A comparison with zero.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Relation {
+    /// `< 0`
+    Less,
+    /// `<= 0`
+    LessEqual,
+    /// `> 0`
+    Greater,
+    /// `>= 0`
+    GreaterEqual,
+    /// `== 0`
+    Equal,
+    /// `!= 0`
+    NotEqual,
+}
+
+/// A measured output.
+#[derive(Debug, Clone)]
+pub struct Output {
+    /// The user's name.
+    pub name: String,
+    /// The user's unit, as written.
+    pub unit: String,
+    /// What is measured.
+    pub expr: ExprId,
+    /// Hard error bound.
+    pub error: ErrorBound,
+}
+
+/// A hard bound on the difference between a recorded and the true value:
+/// `|true - recorded| <= absolute + relative * |recorded|`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ErrorBound {
+    /// In the unit of the quantity.
+    pub absolute: Decimal,
+    /// Share of the recorded value: 0.1 is ten percent.
+    pub relative: Decimal,
+}
+
+impl ErrorBound {
+    /// Every value the true quantity can have when `recorded` was recorded.
+    pub fn enclose(&self, recorded: Interval) -> Interval {
+        let size = self.absolute.to_interval() + self.relative.to_interval() * recorded.abs();
+        let reach = Interval::new(-size.hi(), size.hi()).unwrap_or(Interval::ENTIRE);
+        recorded + reach
+    }
+}
+
+/// A binary column of the record, and what it means.
+#[derive(Debug, Clone)]
+pub struct Signal {
+    /// The user's name.
+    pub name: String,
+    /// Expressions that are proved to be zero at time `t` when the signal was true at every sample
+    /// in `[t - latency, t]` (and at least at `t`).
+    pub proves_zero: Vec<ExprId>,
+    /// In seconds.
+    pub latency: Decimal,
+    /// Parameter resets that the signal triggers.
+    pub resets: Vec<Reset>,
+}
+
+/// At every sample at which the signal has been true for at least `lasts`, the parameter may have
+/// taken a new value inside its prior.
+#[derive(Debug, Clone)]
+pub struct Reset {
+    /// Name of the event in the file.
+    pub event: String,
+    /// Index into [`Model::params`].
+    pub param: usize,
+    /// In seconds.
+    pub lasts: Decimal,
+}
+
+/// What the record says at one instant, in the order of the model's declarations.
+#[derive(Debug, Clone)]
+pub struct Sample {
+    /// Time stamp, exactly as spelled.
+    pub time: Decimal,
+    /// Every value each input can have from this sample to the next.
+    pub inputs: Vec<Interval>,
+    /// Every value each output can have now; `None` where nothing was measured.
+    pub outputs: Vec<Option<Interval>>,
+    /// Signals; `None` where nothing was recorded.
+    pub signals: Vec<Option<bool>>,
+    /// Line of the record's file (first line is 1), for messages.
+    pub line: usize,
+}

@@ -1,0 +1,1 @@
+//! Proved parameter and state bounds for dynamic systems.
