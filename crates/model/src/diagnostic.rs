@@ -9,8 +9,30 @@ use std::sync::Arc;
 pub struct SourceText {
     /// Path as the user gave it.
     pub name: String,
-    /// The whole text.
+    /// The whole text, or the lines of it that messages are about.
     pub text: String,
+    /// Number of the first line of `text` in what the user sees; 1 for a whole file.
+    pub first_line: usize,
+}
+
+impl SourceText {
+    /// A whole file.
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        SourceText {
+            name: name.into(),
+            text: text.into(),
+            first_line: 1,
+        }
+    }
+
+    /// Some lines of a file that is not held in memory as a whole.
+    pub fn excerpt(name: impl Into<String>, text: impl Into<String>, first_line: usize) -> Self {
+        SourceText {
+            name: name.into(),
+            text: text.into(),
+            first_line,
+        }
+    }
 }
 
 /// One problem in what a user wrote.
