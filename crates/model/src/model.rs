@@ -29,6 +29,8 @@ pub struct Model {
     pub outputs: Vec<Output>,
     /// Binary signals, and what they prove.
     pub signals: Vec<Signal>,
+    /// What is known about the guards leaving no gap.
+    pub coverage: Coverage,
     /// The text the model was read from.
     pub source: Arc<SourceText>,
 }
@@ -42,6 +44,8 @@ pub struct State {
     pub unit: String,
     /// Start box.
     pub init: Interval,
+    /// Where the guards must cover; `None` when the user declared none.
+    pub domain: Option<Interval>,
 }
 
 /// An input, known at the samples up to its error bound and held between them.
@@ -51,8 +55,12 @@ pub struct Input {
     pub name: String,
     /// The user's unit, as written.
     pub unit: String,
+    /// Name of the record's column, where it is not the input's own.
+    pub column: Option<String>,
     /// Hard error bound.
     pub error: ErrorBound,
+    /// Where the guards must cover; `None` when the user declared none.
+    pub domain: Option<Interval>,
 }
 
 /// An unknown parameter.
@@ -66,6 +74,18 @@ pub struct Param {
     pub bounds: Interval,
     /// A value that only figures show; never used in a proof.
     pub nominal: Option<Decimal>,
+}
+
+/// Whether every point of the domain lies in the guard of some mode.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Coverage {
+    /// Proved for every value of states, inputs and parameters.
+    Everywhere,
+    /// Proved for every value inside the declared domains (`[-1000, 1000]` where a state or input
+    /// declares none) and the prior.
+    InDomain,
+    /// Neither proved nor refuted within the budget; the text says where.
+    Unproved(String),
 }
 
 /// A mode: where it is active, and the right-hand side there.
@@ -121,6 +141,8 @@ pub struct Output {
     pub name: String,
     /// The user's unit, as written.
     pub unit: String,
+    /// Name of the record's column, where it is not the output's own.
+    pub column: Option<String>,
     /// What is measured.
     pub expr: ExprId,
     /// Hard error bound.
@@ -151,6 +173,8 @@ impl ErrorBound {
 pub struct Signal {
     /// The user's name.
     pub name: String,
+    /// Name of the record's column, where it is not the signal's own.
+    pub column: Option<String>,
     /// Expressions that are proved to be zero at time `t` when the signal was true at every sample
     /// in `[t - latency, t]` (and at least at `t`).
     pub proves_zero: Vec<ExprId>,
