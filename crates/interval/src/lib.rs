@@ -1,1 +1,28 @@
 //! Sound interval arithmetic: directed rounding, elementary functions, exact decimal text.
+//!
+//! - [`Interval`]: a closed set of real numbers, with the operations of the set-based IEEE 1788 model,
+//!   reverse operations for contractors and three-valued comparisons ([`Truth`]).
+//! - [`round`]: tight directed `+ - * / sqrt` on floats, without changing the rounding mode.
+//! - [`Decimal`]: exact decimal numbers, [`text`]: decimal output rounded outward.
+//! - [`self_test`]: refuses an arithmetic that the proofs do not cover.
+//!
+//! *Guarantee*: whatever real numbers lie in the arguments, the value of the operation on them lies in
+//! the result. Assumed: round-to-nearest arithmetic with subnormal numbers ([`self_test`] checks
+//! it), and errors of CORE-MATH below one unit in the last place.
+
+mod arith;
+mod decimal;
+mod domain;
+mod elementary;
+mod interval;
+mod period;
+mod reverse;
+pub mod round;
+mod self_test;
+pub mod text;
+mod truth;
+
+pub use decimal::{Decimal, DecimalError, rational_to_interval};
+pub use interval::Interval;
+pub use self_test::{SelfTestError, self_test};
+pub use truth::Truth;

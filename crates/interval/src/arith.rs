@@ -1,0 +1,294 @@
+//! Interval `+ - * /`, square, integer powers, root, absolute value, sign, minimum, maximum.
+//!
+//! *Guarantee* of every function here: the result contains `f(x, ..)` for all elements of the
+//! arguments where `f` is defined; it is empty exactly where there is none. Ends are the tight
+//! directed values of [`crate::round`], so all results but `powi` are the smallest possible.
+
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+use crate::Interval;
+use crate::interval::{larger, smaller};
+use crate::round::{
+    add_down, add_up, div_down, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,
+};
+
+impl Neg for Interval {
+    type Output = Interval;
+
+    /// `-[a, b] = [-b, -a]`, exactly; `[+inf, -inf]` (empty) stays what it is.
+    #[inline]
+    fn neg(self) -> Interval {
+        if self.is_empty() {
+            self
+        } else {
+            Interval::raw(-self.hi(), -self.lo())
+        }
+    }
+}
+
+impl Add for Interval {
+    type Output = Interval;
+
+    /// `[a, b] + [c, d] = [a + c, b + d]`.
+    #[inline]
+    fn add(self, other: Interval) -> Interval {
+        if self.is_empty() || other.is_empty() {
+            return Interval::EMPTY;
+        }
+        Interval::raw(
+            add_down(self.lo(), other.lo()),
+            add_up(self.hi(), other.hi()),
+        )
+    }
+}
+
+impl Sub for Interval {
+    type Output = Interval;
+
+    /// `[a, b] - [c, d] = [a - d, b - c]`.
+    #[inline]
+    fn sub(self, other: Interval) -> Interval {
+        if self.is_empty() || other.is_empty() {
+            return Interval::EMPTY;
+        }
+        Interval::raw(
+            sub_down(self.lo(), other.hi()),
+            sub_up(self.hi(), other.lo()),
+        )
+    }
+}
+
+impl Mul for Interval {
+    type Output = Interval;
+
+    /// The products of `[a, b]` and `[c, d]`, by the signs of the ends:
+    ///
+    /// |            | `c >= 0`   | `d <= 0`   | `c < 0 < d`                    |
+    /// |------------|------------|------------|--------------------------------|
+    /// | `a >= 0`   | `[ac, bd]` | `[bc, ad]` | `[bc, bd]`                     |
+    /// | `b <= 0`   | `[ad, bc]` | `[bd, ac]` | `[ad, ac]`                     |
+    /// | `a < 0 < b`| `[ad, bd]` | `[bc, ac]` | `[min(ad, bc), max(ac, bd)]`   |
+    ///
+    /// `0 * inf = 0` in the scalar products: the infinity is a bound of real numbers.
+    #[inline]
+    fn mul(self, other: Interval) -> Interval {
+        if self.is_empty() || other.is_empty() {
+            return Interval::EMPTY;
+        }
+        let ((a, b), (c, d)) = ((self.lo(), self.hi()), (other.lo(), other.hi()));
+        if a >= 0.0 {
+            let from = if c >= 0.0 { a } else { b };
+            let to = if d <= 0.0 { a } else { b };
+            Interval::raw(mul_down(from, c), mul_up(to, d))
+        } else if b <= 0.0 {
+            let from = if d <= 0.0 { b } else { a };
+            let to = if c >= 0.0 { b } else { a };
+            Interval::raw(mul_down(from, d), mul_up(to, c))
+        } else if c >= 0.0 {
+            Interval::raw(mul_down(a, d), mul_up(b, d))
+        } else if d <= 0.0 {
+            Interval::raw(mul_down(b, c), mul_up(a, c))
+        } else {
+            Interval::raw(
+                smaller(mul_down(a, d), mul_down(b, c)),
+                larger(mul_up(a, c), mul_up(b, d)),
+            )
+        }
+    }
+}
+
+impl Div for Interval {
+    type Output = Interval;
+
+    /// All quotients `x / y` with `y != 0`, as their interval hull (IEEE 1788).
+    ///
+    /// A divisor `[0, 0]` gives the empty set; a divisor with zero inside gives all numbers, or
+    /// `[0, 0]` for a zero dividend. A negative divisor is turned round: `x / y = -x / -y`.
+    #[inline]
+    fn div(self, other: Interval) -> Interval {
+        if self.is_empty() || other.is_empty() || other == Interval::ZERO {
+            return Interval::EMPTY;
+        }
+        if self == Interval::ZERO {
+            return Interval::ZERO;
+        }
+        if other.lo() >= 0.0 {
+            self.over_positive(other)
+        } else if other.hi() <= 0.0 {
+            (-self).over_positive(-other)
+        } else {
+            Interval::ENTIRE
+        }
+    }
+}
+
+impl Interval {
+    /// `[a, b] / [c, d]` for `0 <= c <= d`, `d > 0`, over the divisors that are not zero.
+    ///
+    /// The lower end is `a / d` for `a >= 0` and else `a / c`; the upper end `b / d` for `b <= 0` and
+    /// else `b / c`. For `c = 0` the quotients over `c` are unbounded.
+    #[inline]
+    fn over_positive(self, divisor: Interval) -> Interval {
+        let ((a, b), (c, d)) = ((self.lo(), self.hi()), (divisor.lo(), divisor.hi()));
+        let lo = if a >= 0.0 {
+            div_down(a, d)
+        } else if c > 0.0 {
+            div_down(a, c)
+        } else {
+            f64::NEG_INFINITY
+        };
+        let hi = if b <= 0.0 {
+            div_up(b, d)
+        } else if c > 0.0 {
+            div_up(b, c)
+        } else {
+            f64::INFINITY
+        };
+        Interval::raw(lo, hi)
+    }
+
+    /// `1 / x` over the elements that are not zero.
+    #[inline]
+    pub fn recip(self) -> Interval {
+        Interval::ONE / self
+    }
+
+    /// The squares of the elements: never negative, unlike `x * x`.
+    #[inline]
+    pub fn sqr(self) -> Interval {
+        if self.is_empty() {
+            return self;
+        }
+        let (near, far) = (self.mig(), self.mag());
+        Interval::raw(mul_down(near, near), mul_up(far, far))
+    }
+
+    /// The `n`-th powers of the elements; `x^0 = 1` also at 0, and for negative `n` the element 0 has
+    /// no power.
+    ///
+    /// The ends are products of directed roundings, at most about `|n|` floats from the tight ones.
+    #[inline]
+    pub fn powi(self, n: i32) -> Interval {
+        match n {
+            _ if self.is_empty() => self,
+            0 => Interval::ONE,
+            1 => self,
+            2 => self.sqr(),
+            _ if n < 0 => self.positive_power(n.unsigned_abs()).recip(),
+            _ => self.positive_power(n.unsigned_abs()),
+        }
+    }
+
+    /// Powers for `n >= 1`: increasing for odd `n`, a function of `|x|` for even `n`.
+    fn positive_power(self, n: u32) -> Interval {
+        if n.is_multiple_of(2) {
+            Interval::raw(power_down(self.mig(), n), power_up(self.mag(), n))
+        } else {
+            let lo = if self.lo() >= 0.0 {
+                power_down(self.lo(), n)
+            } else {
+                -power_up(-self.lo(), n)
+            };
+            let hi = if self.hi() >= 0.0 {
+                power_up(self.hi(), n)
+            } else {
+                -power_down(-self.hi(), n)
+            };
+            Interval::raw(lo, hi)
+        }
+    }
+
+    /// The square roots of the elements that are not negative.
+    #[inline]
+    pub fn sqrt(self) -> Interval {
+        let x = self.intersect(Interval::NON_NEGATIVE);
+        if x.is_empty() {
+            x
+        } else {
+            Interval::raw(sqrt_down(x.lo()), sqrt_up(x.hi()))
+        }
+    }
+
+    /// The absolute values of the elements, exactly.
+    #[inline]
+    pub fn abs(self) -> Interval {
+        if self.is_empty() {
+            self
+        } else {
+            Interval::raw(self.mig(), self.mag())
+        }
+    }
+
+    /// The signs of the elements, where the sign of 0 is every number of `[-1, 1]` (the Filippov
+    /// reading of a switching function).
+    #[inline]
+    pub fn sign(self) -> Interval {
+        if self.is_empty() {
+            return self;
+        }
+        let lo = if self.lo() > 0.0 { 1.0 } else { -1.0 };
+        let hi = if self.hi() < 0.0 { -1.0 } else { 1.0 };
+        Interval::raw(lo, hi)
+    }
+
+    /// The smaller of an element of each, exactly.
+    #[inline]
+    pub fn min(self, other: Interval) -> Interval {
+        if self.is_empty() || other.is_empty() {
+            return Interval::EMPTY;
+        }
+        Interval::raw(
+            smaller(self.lo(), other.lo()),
+            smaller(self.hi(), other.hi()),
+        )
+    }
+
+    /// The larger of an element of each, exactly.
+    #[inline]
+    pub fn max(self, other: Interval) -> Interval {
+        if self.is_empty() || other.is_empty() {
+            return Interval::EMPTY;
+        }
+        Interval::raw(larger(self.lo(), other.lo()), larger(self.hi(), other.hi()))
+    }
+}
+
+/// A lower bound of `a^n` for `a >= 0`, `n >= 1`: repeated squaring, every product rounded down.
+/// Products of lower bounds of numbers that are not negative are lower bounds.
+pub(crate) fn power_down(a: f64, n: u32) -> f64 {
+    power(a, n, mul_down)
+}
+
+/// An upper bound of `a^n` for `a >= 0`, `n >= 1`; mirror image of [`power_down`].
+pub(crate) fn power_up(a: f64, n: u32) -> f64 {
+    power(a, n, mul_up)
+}
+
+#[inline(always)]
+fn power(a: f64, n: u32, times: impl Fn(f64, f64) -> f64) -> f64 {
+    let (mut square, mut rest) = (a, n);
+    let mut product = None;
+    loop {
+        if rest & 1 == 1 {
+            product = Some(product.map_or(square, |p| times(p, square)));
+        }
+        rest >>= 1;
+        match product {
+            Some(p) if rest == 0 => return p,
+            _ => square = times(square, square),
+        }
+    }
+}
+
+macro_rules! assign {
+    ($($trait:ident $method:ident $operator:tt),+) => {$(
+        impl $trait for Interval {
+            #[inline]
+            fn $method(&mut self, other: Interval) {
+                *self = *self $operator other;
+            }
+        }
+    )+};
+}
+
+assign!(AddAssign add_assign +, SubAssign sub_assign -, MulAssign mul_assign *, DivAssign div_assign /);
