@@ -1,0 +1,75 @@
+//! Sets of modes.
+
+/// A set of modes of one model, by their position in [`veribound_model::Model::modes`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct ModeSet([u64; 4]);
+
+impl ModeSet {
+    /// The largest number of modes a model can have.
+    pub const CAPACITY: usize = 256;
+
+    /// No mode.
+    pub const EMPTY: ModeSet = ModeSet([0; 4]);
+
+    /// Adds a mode; positions beyond the capacity cannot occur in a compiled system.
+    pub fn insert(&mut self, mode: usize) {
+        if let Some(word) = self.0.get_mut(mode / 64) {
+            *word |= 1 << (mode % 64);
+        }
+    }
+
+    /// True when `mode` is in the set.
+    pub fn contains(self, mode: usize) -> bool {
+        self.0.get(mode / 64).is_some_and(|word| word & (1 << (mode % 64)) != 0)
+    }
+
+    /// Modes in either set.
+    pub fn union(self, other: ModeSet) -> ModeSet {
+        let mut all = self;
+        for (word, more) in all.0.iter_mut().zip(other.0) {
+            *word |= more;
+        }
+        all
+    }
+
+    /// Number of modes in the set.
+    pub fn len(self) -> usize {
+        self.0.iter().map(|word| word.count_ones() as usize).sum()
+    }
+
+    /// True when no mode is in the set.
+    pub fn is_empty(self) -> bool {
+        self == ModeSet::EMPTY
+    }
+
+    /// The modes, in order.
+    pub fn iter(self) -> impl Iterator<Item = usize> {
+        self.0.into_iter().enumerate().flat_map(|(position, word)| {
+            let mut rest = word;
+            std::iter::from_fn(move || {
+                if rest == 0 {
+                    return None;
+                }
+                let bit = rest.trailing_zeros() as usize;
+                rest &= rest - 1;
+                Some(position * 64 + bit)
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ModeSet;
+
+    #[test]
+    fn holds_what_was_inserted() {
+        let mut set = ModeSet::EMPTY;
+        for mode in [0, 63, 64, 200, 255] {
+            set.insert(mode);
+        }
+        assert_eq!(set.iter().collect::<Vec<_>>(), [0, 63, 64, 200, 255]);
+        assert!(set.contains(200) && !set.contains(199));
+        assert_eq!(set.len(), 5);
+    }
+}

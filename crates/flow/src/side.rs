@@ -1,0 +1,74 @@
+//! Lower and upper bounds treated by one piece of code.
+
+use veribound_interval::{Interval, round};
+
+/// Which bound of an interval. *Out* is away from the interval: down for the lower bound, up for
+/// the upper one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Side {
+    Lower,
+    Upper,
+}
+
+impl Side {
+    pub(crate) const BOTH: [Side; 2] = [Side::Lower, Side::Upper];
+
+    pub(crate) fn index(self) -> usize {
+        match self {
+            Side::Lower => 0,
+            Side::Upper => 1,
+        }
+    }
+
+    pub(crate) fn other(self) -> Side {
+        match self {
+            Side::Lower => Side::Upper,
+            Side::Upper => Side::Lower,
+        }
+    }
+
+    /// The end of `x` on this side.
+    pub(crate) fn end(self, x: Interval) -> f64 {
+        match self {
+            Side::Lower => x.lo(),
+            Side::Upper => x.hi(),
+        }
+    }
+
+    /// True when `a` lies further out than `b`.
+    pub(crate) fn beyond(self, a: f64, b: f64) -> bool {
+        match self {
+            Side::Lower => a < b,
+            Side::Upper => a > b,
+        }
+    }
+
+    /// The one of `a` and `b` that lies further out.
+    pub(crate) fn outer(self, a: f64, b: f64) -> f64 {
+        if self.beyond(a, b) { a } else { b }
+    }
+
+    /// The one of `a` and `b` that lies further in.
+    pub(crate) fn inner(self, a: f64, b: f64) -> f64 {
+        self.other().outer(a, b)
+    }
+
+    /// From `a` out to `b`; empty when `b` lies further in than `a`.
+    pub(crate) fn between(self, a: f64, b: f64) -> Interval {
+        let (lo, hi) = match self {
+            Side::Lower => (b, a),
+            Side::Upper => (a, b),
+        };
+        Interval::new(lo, hi).unwrap_or(Interval::EMPTY)
+    }
+}
+
+/// A time no later than the one at which something of the speed `rate` has covered `distance`.
+pub(crate) fn earliest(distance: Interval, rate: f64) -> f64 {
+    round::div_down(distance.mig(), rate.abs())
+}
+
+/// A time no earlier than the one at which something of the speed `rate` has covered `distance`.
+pub(crate) fn latest(distance: Interval, rate: f64) -> f64 {
+    round::div_up(distance.mag(), rate.abs())
+}

@@ -1,0 +1,203 @@
+//! A model compiled for integration: shared, immutable.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: positions are made here from the model's own lists"
+)]
+
+use crate::guard::{GuardRegisters, Guards};
+use crate::modes::ModeSet;
+use veribound_interval::Interval;
+use veribound_model::{
+    Coefficients, ExprId, Graph, Guard, Layout, Model, Node, Relation, SeriesTape, Tape, Var,
+};
+
+/// One right-hand side of one state; modes with the same expression share it.
+#[derive(Debug, Clone)]
+pub(crate) struct RightHandSide {
+    pub(crate) expr: ExprId,
+    pub(crate) value: Tape,
+    /// Partial derivatives with respect to `others`, in that order.
+    pub(crate) gradient: Tape,
+    /// The quantities it depends on, without the state it is the derivative of.
+    pub(crate) others: Vec<usize>,
+    pub(crate) series: SeriesTape,
+    /// Quantities of `series`, by position.
+    pub(crate) series_quantities: Vec<usize>,
+}
+
+/// A model compiled for integration.
+///
+/// Immutable and shared between threads; what a thread writes is in its
+/// [`Workspace`](crate::Workspace).
+#[derive(Debug, Clone)]
+pub struct System {
+    pub(crate) layout: Layout,
+    pub(crate) guards: Guards,
+    /// `right_hand_sides[i]` are the distinct derivatives of state `i`.
+    pub(crate) right_hand_sides: Vec<Vec<RightHandSide>>,
+    /// `choice[m][i]` is the position in `right_hand_sides[i]` that mode `m` uses.
+    pub(crate) choice: Vec<Vec<usize>>,
+}
+
+/// Registers of all tapes of a [`System`].
+#[derive(Debug, Clone)]
+pub(crate) struct Registers {
+    pub(crate) value: Vec<Vec<Vec<Interval>>>,
+    pub(crate) gradient: Vec<Vec<Vec<Interval>>>,
+    /// Two per state (lower, upper bound) and right-hand side, since bounds advance side by side.
+    pub(crate) series: Vec<Vec<[Coefficients; 2]>>,
+    pub(crate) guards: GuardRegisters,
+}
+
+impl System {
+    /// Compiles `model`.
+    ///
+    /// Cost: one symbolic derivative per right-hand side and quantity it depends on.
+    pub fn new(model: &Model) -> System {
+        let layout = Layout {
+            states: model.states.len(),
+            params: model.params.len(),
+            inputs: model.inputs.len(),
+        };
+        let mut graph = model.graph.clone();
+        let mut derivatives: Vec<Vec<ExprId>> =
+            model.modes.iter().map(|mode| mode.der.clone()).collect();
+        agree_on_guards(&mut graph, model, &mut derivatives);
+        let mut right_hand_sides: Vec<Vec<RightHandSide>> = vec![Vec::new(); layout.states];
+        let mut choice = vec![vec![0; layout.states]; derivatives.len()];
+        for (mode, der) in derivatives.iter().enumerate() {
+            for (state, &expr) in der.iter().enumerate() {
+                let known = &mut right_hand_sides[state];
+                let position = known.iter().position(|rhs| rhs.expr == expr);
+                choice[mode][state] = position.unwrap_or_else(|| {
+                    known.push(RightHandSide::compile(&mut graph, layout, state, expr));
+                    known.len() - 1
+                });
+            }
+        }
+        let conditions: Vec<&Guard> = model.modes.iter().map(|mode| &mode.guard).collect();
+        let guards = Guards::compile(&mut graph, layout, &conditions);
+        System { layout, guards, right_hand_sides, choice }
+    }
+
+    /// Where states, parameters and inputs stand in a flat list.
+    pub fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    /// Number of modes.
+    pub fn mode_count(&self) -> usize {
+        self.choice.len()
+    }
+
+    pub(crate) fn registers(&self, order: usize) -> Registers {
+        let per_rhs = |make: &dyn Fn(&RightHandSide) -> Vec<Interval>| {
+            self.right_hand_sides.iter().map(|list| list.iter().map(make).collect()).collect()
+        };
+        Registers {
+            value: per_rhs(&|rhs| rhs.value.registers()),
+            gradient: per_rhs(&|rhs| rhs.gradient.registers()),
+            series: self
+                .right_hand_sides
+                .iter()
+                .map(|list| {
+                    list.iter()
+                        .map(|rhs| [rhs.series.coefficients(order), rhs.series.coefficients(order)])
+                        .collect()
+                })
+                .collect(),
+            guards: self.guards.registers(),
+        }
+    }
+
+    /// The modes whose guard, as written, holds somewhere on the box `q`.
+    pub(crate) fn modes_on(&self, q: &[Interval], registers: &mut Registers) -> ModeSet {
+        let mut active = ModeSet::EMPTY;
+        for mode in 0..self.mode_count() {
+            if self.guards.holds_somewhere(mode, q, &mut registers.guards) {
+                active.insert(mode);
+            }
+        }
+        active
+    }
+}
+
+impl RightHandSide {
+    fn compile(graph: &mut Graph, layout: Layout, state: usize, expr: ExprId) -> RightHandSide {
+        let variables: Vec<Var> = graph
+            .variables(expr)
+            .into_iter()
+            .filter(|var| *var != Var::State(state))
+            .collect();
+        let partials: Vec<ExprId> =
+            variables.iter().map(|var| graph.derivative(expr, *var)).collect();
+        let series = SeriesTape::compile(graph, layout, &[expr]);
+        RightHandSide {
+            expr,
+            value: Tape::compile(graph, layout, &[expr]),
+            gradient: Tape::compile(graph, layout, &partials),
+            others: variables.iter().map(|var| layout.index(*var)).collect(),
+            series_quantities: series.quantities().collect(),
+            series,
+        }
+    }
+}
+
+/// Makes modes share a right-hand side where their guards make them equal.
+///
+/// A mode whose guard demands `x_j == c` may replace its derivative of a state by the expression
+/// another mode has, when both become the same once `c` is put for `x_j`: on the mode's own region
+/// they are the same number, and outside of it the mode's right-hand side is never part of the
+/// inclusion. The standing rig's `phi' = 0` becomes `phi' = omega` this way, so that the angle has
+/// one smooth right-hand side in all modes.
+fn agree_on_guards(graph: &mut Graph, model: &Model, derivatives: &mut [Vec<ExprId>]) {
+    for (mode, description) in model.modes.iter().enumerate() {
+        let mut equalities = Vec::new();
+        demanded_equalities(graph, &description.guard, &mut equalities);
+        if equalities.is_empty() {
+            continue;
+        }
+        for state in 0..model.states.len() {
+            let own = derivatives[mode][state];
+            let own = put_levels(graph, own, &equalities);
+            for other in 0..model.modes.len() {
+                let candidate = derivatives[other][state];
+                if other != mode && put_levels(graph, candidate, &equalities) == own {
+                    derivatives[mode][state] = candidate;
+                    break;
+                }
+            }
+        }
+    }
+}
+
+fn put_levels(graph: &mut Graph, e: ExprId, equalities: &[(usize, ExprId)]) -> ExprId {
+    graph.substitute(e, &|var| {
+        equalities.iter().find(|(state, _)| var == Var::State(*state)).map(|(_, level)| *level)
+    })
+}
+
+/// Collects `state == constant` conditions that hold wherever `guard` does.
+fn demanded_equalities(graph: &mut Graph, guard: &Guard, found: &mut Vec<(usize, ExprId)>) {
+    match guard {
+        Guard::All(parts) => {
+            for part in parts {
+                demanded_equalities(graph, part, found);
+            }
+        }
+        Guard::Atom { expr, relation: Relation::Equal } => {
+            let (state, level) = match *graph.node(*expr) {
+                Node::Var(Var::State(state)) => (state, graph.integer(0)),
+                Node::Binary(veribound_model::Binary::Sub, a, b) => {
+                    match (graph.node(a), graph.as_constant(b)) {
+                        (Node::Var(Var::State(state)), Some(_)) => (*state, b),
+                        _ => return,
+                    }
+                }
+                _ => return,
+            };
+            found.push((state, level));
+        }
+        Guard::Atom { .. } | Guard::Any(_) | Guard::Always => {}
+    }
+}
