@@ -9,7 +9,8 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 use crate::Interval;
 use crate::interval::{larger, smaller};
 use crate::round::{
-    add_down, add_up, div_down, div_up, mul_down, mul_up, sqrt_down, sqrt_up, sub_down, sub_up,
+    Lanes, Pair, add_down, add_up, div_down, div_up, mul_down, mul_up, product_up, quotient_up,
+    sqrt_down, sqrt_up, sum_up,
 };
 
 impl Neg for Interval {
@@ -26,19 +27,27 @@ impl Neg for Interval {
     }
 }
 
+/// `[-lo, hi]`, so that both ends are rounded up by one vector operation.
+#[inline(always)]
+fn outward(x: Interval) -> Pair {
+    Pair::new(-x.lo(), x.hi())
+}
+
+#[inline(always)]
+fn inward(pair: Pair) -> Interval {
+    Interval::raw(-pair.first(), pair.second())
+}
+
 impl Add for Interval {
     type Output = Interval;
 
-    /// `[a, b] + [c, d] = [a + c, b + d]`.
+    /// `[a, b] + [c, d] = [a + c, b + d]`. The infinite ends of the empty set never pass the fast way.
     #[inline]
     fn add(self, other: Interval) -> Interval {
-        if self.is_empty() || other.is_empty() {
-            return Interval::EMPTY;
+        match sum_up(outward(self), outward(other)) {
+            (sum, true) => inward(sum),
+            _ => self.add_extreme(other),
         }
-        Interval::raw(
-            add_down(self.lo(), other.lo()),
-            add_up(self.hi(), other.hi()),
-        )
     }
 }
 
@@ -48,13 +57,10 @@ impl Sub for Interval {
     /// `[a, b] - [c, d] = [a - d, b - c]`.
     #[inline]
     fn sub(self, other: Interval) -> Interval {
-        if self.is_empty() || other.is_empty() {
-            return Interval::EMPTY;
+        match sum_up(outward(self), Pair::new(other.hi(), -other.lo())) {
+            (sum, true) => inward(sum),
+            _ => self.add_extreme(-other),
         }
-        Interval::raw(
-            sub_down(self.lo(), other.hi()),
-            sub_up(self.hi(), other.lo()),
-        )
     }
 }
 
@@ -69,30 +75,36 @@ impl Mul for Interval {
     /// | `b <= 0`   | `[ad, bc]` | `[bd, ac]` | `[ad, ac]`                     |
     /// | `a < 0 < b`| `[ad, bd]` | `[bc, ac]` | `[min(ad, bc), max(ac, bd)]`   |
     ///
-    /// `0 * inf = 0` in the scalar products: the infinity is a bound of real numbers.
+    /// Each choice contains an end of each factor, and the empty set has infinite ends only, which
+    /// never pass the fast way.
     #[inline]
     fn mul(self, other: Interval) -> Interval {
-        if self.is_empty() || other.is_empty() {
-            return Interval::EMPTY;
-        }
         let ((a, b), (c, d)) = ((self.lo(), self.hi()), (other.lo(), other.hi()));
-        if a >= 0.0 {
+        let (product, holds) = if a >= 0.0 {
             let from = if c >= 0.0 { a } else { b };
             let to = if d <= 0.0 { a } else { b };
-            Interval::raw(mul_down(from, c), mul_up(to, d))
+            product_up(Pair::new(-from, to), Pair::new(c, d))
         } else if b <= 0.0 {
             let from = if d <= 0.0 { b } else { a };
             let to = if c >= 0.0 { b } else { a };
-            Interval::raw(mul_down(from, d), mul_up(to, c))
+            product_up(Pair::new(-from, to), Pair::new(d, c))
         } else if c >= 0.0 {
-            Interval::raw(mul_down(a, d), mul_up(b, d))
+            product_up(Pair::new(-a, b), Pair::splat(d))
         } else if d <= 0.0 {
-            Interval::raw(mul_down(b, c), mul_up(a, c))
+            product_up(Pair::new(-b, a), Pair::splat(c))
         } else {
-            Interval::raw(
-                smaller(mul_down(a, d), mul_down(b, c)),
-                larger(mul_up(a, c), mul_up(b, d)),
-            )
+            let (first, first_holds) = product_up(Pair::new(-a, a), Pair::new(d, c));
+            let (second, second_holds) = product_up(Pair::new(-b, b), Pair::new(c, d));
+            let most = Pair::new(
+                larger(first.first(), second.first()),
+                larger(first.second(), second.second()),
+            );
+            (most, first_holds & second_holds)
+        };
+        if holds {
+            inward(product)
+        } else {
+            self.mul_extreme(other)
         }
     }
 }
@@ -106,6 +118,58 @@ impl Div for Interval {
     /// `[0, 0]` for a zero dividend. A negative divisor is turned round: `x / y = -x / -y`.
     #[inline]
     fn div(self, other: Interval) -> Interval {
+        let ((a, b), (c, d)) = ((self.lo(), self.hi()), (other.lo(), other.hi()));
+        let (quotient, holds) = if c > 0.0 {
+            let (under_a, under_b) = (if a >= 0.0 { d } else { c }, if b <= 0.0 { d } else { c });
+            quotient_up(Pair::new(-a, b), Pair::new(under_a, under_b))
+        } else if d < 0.0 {
+            let (under_a, under_b) = (if a >= 0.0 { c } else { d }, if b <= 0.0 { c } else { d });
+            quotient_up(Pair::new(-b, a), Pair::new(under_b, under_a))
+        } else {
+            return self.div_extreme(other);
+        };
+        if holds {
+            inward(quotient)
+        } else {
+            self.div_extreme(other)
+        }
+    }
+}
+
+/// The exact ways, end by end, for empty, unbounded, very large and very small arguments.
+impl Interval {
+    #[inline(never)]
+    fn add_extreme(self, other: Interval) -> Interval {
+        if self.is_empty() || other.is_empty() {
+            return Interval::EMPTY;
+        }
+        Interval::raw(
+            add_down(self.lo(), other.lo()),
+            add_up(self.hi(), other.hi()),
+        )
+    }
+
+    /// The table of [`Mul`] with `0 * inf = 0`: the infinity is a bound of real numbers. The ends that
+    /// the table leaves out cannot be beyond the others.
+    #[inline(never)]
+    fn mul_extreme(self, other: Interval) -> Interval {
+        if self.is_empty() || other.is_empty() {
+            return Interval::EMPTY;
+        }
+        let ((a, b), (c, d)) = ((self.lo(), self.hi()), (other.lo(), other.hi()));
+        let lo = smaller(
+            smaller(mul_down(a, c), mul_down(a, d)),
+            smaller(mul_down(b, c), mul_down(b, d)),
+        );
+        let hi = larger(
+            larger(mul_up(a, c), mul_up(a, d)),
+            larger(mul_up(b, c), mul_up(b, d)),
+        );
+        Interval::raw(lo, hi)
+    }
+
+    #[inline(never)]
+    fn div_extreme(self, other: Interval) -> Interval {
         if self.is_empty() || other.is_empty() || other == Interval::ZERO {
             return Interval::EMPTY;
         }
@@ -120,14 +184,11 @@ impl Div for Interval {
             Interval::ENTIRE
         }
     }
-}
 
-impl Interval {
     /// `[a, b] / [c, d]` for `0 <= c <= d`, `d > 0`, over the divisors that are not zero.
     ///
     /// The lower end is `a / d` for `a >= 0` and else `a / c`; the upper end `b / d` for `b <= 0` and
     /// else `b / c`. For `c = 0` the quotients over `c` are unbounded.
-    #[inline]
     fn over_positive(self, divisor: Interval) -> Interval {
         let ((a, b), (c, d)) = ((self.lo(), self.hi()), (divisor.lo(), divisor.hi()));
         let lo = if a >= 0.0 {
@@ -147,6 +208,32 @@ impl Interval {
         Interval::raw(lo, hi)
     }
 
+    /// Powers for `n >= 1`, each end by itself.
+    #[inline(never)]
+    fn power_extreme(self, n: u32) -> Interval {
+        if n.is_multiple_of(2) {
+            return Interval::raw(power_down(self.mig(), n), power_up(self.mag(), n));
+        }
+        let end = |x: f64, up: bool| match (x < 0.0, up) {
+            (false, false) => power_down(x, n),
+            (false, true) => power_up(x, n),
+            (true, false) => -power_up(-x, n),
+            (true, true) => -power_down(-x, n),
+        };
+        Interval::raw(end(self.lo(), false), end(self.hi(), true))
+    }
+
+    #[inline(never)]
+    fn sqr_extreme(self) -> Interval {
+        if self.is_empty() {
+            return self;
+        }
+        let (near, far) = (self.mig(), self.mag());
+        Interval::raw(mul_down(near, near), mul_up(far, far))
+    }
+}
+
+impl Interval {
     /// `1 / x` over the elements that are not zero.
     #[inline]
     pub fn recip(self) -> Interval {
@@ -156,11 +243,18 @@ impl Interval {
     /// The squares of the elements: never negative, unlike `x * x`.
     #[inline]
     pub fn sqr(self) -> Interval {
-        if self.is_empty() {
-            return self;
+        let (a, b) = (self.lo(), self.hi());
+        let (near, far) = if a >= 0.0 {
+            (a, b)
+        } else if b <= 0.0 {
+            (b, a)
+        } else {
+            (0.0, larger(-a, b))
+        };
+        match product_up(Pair::new(-near, far), Pair::new(near, far)) {
+            (squares, true) => inward(squares),
+            _ => self.sqr_extreme(),
         }
-        let (near, far) = (self.mig(), self.mag());
-        Interval::raw(mul_down(near, near), mul_up(far, far))
     }
 
     /// The `n`-th powers of the elements; `x^0 = 1` also at 0, and for negative `n` the element 0 has
@@ -180,21 +274,38 @@ impl Interval {
     }
 
     /// Powers for `n >= 1`: increasing for odd `n`, a function of `|x|` for even `n`.
+    ///
+    /// Repeated squaring of `[-lo, hi]`, or `[-mig, mag]` for even `n`, where the factors keep the sign
+    /// of the first: a negative lane then rounds its magnitude down, a positive one up, as the end it
+    /// becomes needs.
     fn positive_power(self, n: u32) -> Interval {
-        if n.is_multiple_of(2) {
-            Interval::raw(power_down(self.mig(), n), power_up(self.mag(), n))
+        let even = n.is_multiple_of(2);
+        let mut square = if even {
+            Pair::new(-self.mig(), self.mag())
         } else {
-            let lo = if self.lo() >= 0.0 {
-                power_down(self.lo(), n)
-            } else {
-                -power_up(-self.lo(), n)
-            };
-            let hi = if self.hi() >= 0.0 {
-                power_up(self.hi(), n)
-            } else {
-                -power_down(-self.hi(), n)
-            };
-            Interval::raw(lo, hi)
+            outward(self)
+        };
+        let (mut product, mut started, mut fast, mut rest) = (square, false, true, n);
+        while fast {
+            if rest & 1 == 1 {
+                (product, fast) = if started {
+                    product_up(product, square.abs())
+                } else {
+                    (square, true)
+                };
+                started = true;
+            }
+            rest >>= 1;
+            if rest == 0 {
+                break;
+            }
+            let (next, holds) = product_up(square, square.abs());
+            (square, fast) = (next, fast & holds);
+        }
+        if fast {
+            inward(product)
+        } else {
+            self.power_extreme(n)
         }
     }
 
@@ -264,7 +375,6 @@ pub(crate) fn power_up(a: f64, n: u32) -> f64 {
     power(a, n, mul_up)
 }
 
-#[inline(always)]
 fn power(a: f64, n: u32, times: impl Fn(f64, f64) -> f64) -> f64 {
     let (mut square, mut rest) = (a, n);
     let mut product = None;

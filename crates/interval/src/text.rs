@@ -155,7 +155,7 @@ impl fmt::Display for Interval {
     /// `[empty]` for the empty set.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if self.is_empty() {
-            return f.pad("[empty]");
+            return f.write_str("[empty]");
         }
         let digits = f.precision().unwrap_or(6);
         write!(

@@ -1,5 +1,7 @@
 //! Contract of the public interface, by example.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use veribound_interval::{Decimal, Interval, Truth, self_test, text};
 
 fn interval(lo: f64, hi: f64) -> Interval {
