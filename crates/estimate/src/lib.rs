@@ -1,1 +1,14 @@
 //! Set-valued estimation: the observer over a list of boxes.
+
+mod cell;
+mod measure;
+mod merge;
+mod observer;
+mod options;
+mod split;
+mod verdict;
+
+pub use cell::Cell;
+pub use observer::{Misuse, Observer};
+pub use options::{ObserverOptions, ParameterRule};
+pub use verdict::{Contradiction, Estimate, Refutation, Undecided, Verdict};

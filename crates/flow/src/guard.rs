@@ -10,7 +10,7 @@
 )]
 
 use veribound_interval::Interval;
-use veribound_model::{ExprId, Graph, Guard, Layout, Relation, Tape, Var};
+use veribound_model::{ExprId, Graph, Guard, Layout, Relation, Tape};
 
 /// A guard compiled for boxes.
 #[derive(Debug, Clone)]
@@ -93,22 +93,9 @@ struct Builder<'a> {
 impl Builder<'_> {
     /// `expr relation 0` as a comparison of one state with a constant.
     fn level(&mut self, expr: ExprId, relation: Relation) -> Option<(usize, Interval, Relation)> {
-        let [Var::State(state)] = self.graph.variables(expr)[..] else {
-            return None;
-        };
-        let slope = self.graph.derivative(expr, Var::State(state));
-        let slope_value = self.graph.as_constant(slope)?.clone();
-        let zero = self.graph.integer(0);
-        let at_zero = self.graph.substitute(expr, &|_| Some(zero));
-        let minus = self.graph.neg(at_zero);
-        let slope = self.graph.constant(slope_value.clone());
-        let level = self.graph.div(minus, slope);
-        let level = self.graph.eval_interval(level, &|_| Interval::ENTIRE);
-        if level.is_empty() || !level.is_bounded() {
-            return None;
-        }
-        let positive = slope_value > num_rational::BigRational::from_integer(0.into());
-        Some((state, level, if positive { relation } else { mirrored(relation) }))
+        let level = self.graph.level(expr)?;
+        let relation = if level.rising { relation } else { mirrored(relation) };
+        Some((level.state, level.value, relation))
     }
 
     fn collect_levels(&mut self, guard: &Guard) {

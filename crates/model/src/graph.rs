@@ -99,6 +99,17 @@ pub struct Names {
     pub inputs: Vec<String>,
 }
 
+/// A state's value at which a comparison changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Level {
+    /// The state.
+    pub state: usize,
+    /// The value, enclosed.
+    pub value: Interval,
+    /// The compared expression grows with the state.
+    pub rising: bool,
+}
+
 /// All expressions of a model.
 ///
 /// Building an expression simplifies it by rules that hold for all real arguments for which the
@@ -565,6 +576,21 @@ impl Graph {
                 self.div(twice, two)
             }
         }
+    }
+
+    /// Where an expression crosses zero, if it is affine in one state and depends on nothing else.
+    pub fn level(&mut self, e: ExprId) -> Option<Level> {
+        let [Var::State(state)] = self.variables(e)[..] else {
+            return None;
+        };
+        let slope = self.derivative(e, Var::State(state));
+        let rising = self.as_constant(slope)?.is_positive();
+        let zero = self.integer(0);
+        let at_zero = self.substitute(e, &|_| Some(zero));
+        let minus = self.neg(at_zero);
+        let value = self.div(minus, slope);
+        let value = self.eval_interval(value, &|_| Interval::ENTIRE);
+        value.is_bounded().then_some(Level { state, value, rising })
     }
 
     /// Every value of `e` when each quantity lies in its interval.

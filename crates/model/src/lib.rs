@@ -1,13 +1,18 @@
 //! The model language: expressions, modes, parameters, outputs, diagnostics.
 
+mod coverage;
+mod describe;
 pub mod diagnostic;
+mod file;
 pub mod graph;
 pub mod model;
 pub mod series;
+mod syntax;
 pub mod tape;
+mod units;
 
 pub use diagnostic::{Diagnostic, Diagnostics, SourceText};
-pub use graph::{Binary, ExprId, Graph, Names, Node, Unary, Var};
+pub use graph::{Binary, ExprId, Graph, Level, Names, Node, Unary, Var};
 pub use model::{
     Coverage, ErrorBound, Guard, Input, Mode, Model, Output, Param, Relation, Reset, Sample, Signal, State,
 };

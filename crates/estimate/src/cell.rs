@@ -1,0 +1,50 @@
+//! One box of the observer's list.
+
+use veribound_flow::ModeSet;
+use veribound_interval::Interval;
+
+/// A box of states and parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cell {
+    /// States first, then parameters.
+    pub z: Vec<Interval>,
+    /// Modes whose guard holds somewhere on the box, with the input of the coming step.
+    pub modes: ModeSet,
+}
+
+impl Cell {
+    /// True when every point of this box is one of `other` too.
+    pub fn is_subset_of(&self, other: &Cell) -> bool {
+        self.z.iter().zip(&other.z).all(|(a, b)| a.is_subset_of(*b))
+    }
+
+    /// Grows this box to contain `other`.
+    pub fn join(&mut self, other: &Cell) {
+        for (a, b) in self.z.iter_mut().zip(&other.z) {
+            *a = a.hull(*b);
+        }
+        self.modes = self.modes.union(other.modes);
+    }
+}
+
+/// Cuts `x` at `point`: the two parts share the point, so nothing is lost. `None` when the point
+/// is not strictly inside.
+pub(crate) fn cut(x: Interval, point: f64) -> Option<(Interval, Interval)> {
+    if !(x.lo() < point && point < x.hi()) {
+        return None;
+    }
+    Some((Interval::new(x.lo(), point)?, Interval::new(point, x.hi())?))
+}
+
+/// Removes boxes that lie inside another one.
+pub(crate) fn remove_contained(cells: &mut Vec<Cell>) {
+    let mut kept: Vec<Cell> = Vec::with_capacity(cells.len());
+    for cell in cells.drain(..) {
+        if kept.iter().any(|other| cell.is_subset_of(other)) {
+            continue;
+        }
+        kept.retain(|other| !other.is_subset_of(&cell));
+        kept.push(cell);
+    }
+    *cells = kept;
+}

@@ -1,0 +1,153 @@
+//! Steps 4 to 6 of the observer: intersection with what was measured, and with what signals prove.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: samples and boxes have the lengths of the model's lists; `Observer::step` \
+              checks the sample's"
+)]
+
+use crate::cell::Cell;
+use crate::verdict::Contradiction;
+use veribound_interval::{Decimal, Interval};
+use veribound_interval::round::sub_down;
+use veribound_model::{ExprId, Layout, Model, Sample, Tape};
+
+/// Passes over all conditions per sample; later ones can narrow what earlier ones see.
+const PASSES: usize = 2;
+
+#[derive(Debug, Clone)]
+struct Condition {
+    tape: Tape,
+    registers: Vec<Interval>,
+}
+
+impl Condition {
+    fn new(model: &Model, layout: Layout, expr: ExprId) -> Condition {
+        let tape = Tape::compile(&model.graph, layout, &[expr]);
+        let registers = tape.registers();
+        Condition { tape, registers }
+    }
+
+    fn value(&mut self, q: &[Interval]) -> Interval {
+        self.tape.eval(q, &mut self.registers);
+        self.tape.output(0, &self.registers)
+    }
+
+    fn contract(&mut self, q: &mut [Interval], target: Interval) -> bool {
+        self.tape.contract(q, target, &mut self.registers)
+    }
+}
+
+/// What one signal proves, and since when it has been true.
+#[derive(Debug, Clone)]
+struct Witness {
+    zero: Vec<Condition>,
+    latency: Decimal,
+    true_since: Option<Decimal>,
+}
+
+/// Conditions that a sample puts on boxes.
+#[derive(Debug, Clone)]
+pub(crate) struct Measurements {
+    layout: Layout,
+    outputs: Vec<Condition>,
+    witnesses: Vec<Witness>,
+    q: Vec<Interval>,
+}
+
+impl Measurements {
+    pub(crate) fn new(model: &Model, layout: Layout) -> Measurements {
+        let outputs = model.outputs.iter().map(|o| Condition::new(model, layout, o.expr)).collect();
+        let witnesses = model
+            .signals
+            .iter()
+            .map(|signal| Witness {
+                zero: signal
+                    .proves_zero
+                    .iter()
+                    .map(|expr| Condition::new(model, layout, *expr))
+                    .collect(),
+                latency: signal.latency.clone(),
+                true_since: None,
+            })
+            .collect();
+        Measurements { layout, outputs, witnesses, q: Vec::new() }
+    }
+
+    /// True when the sample has the model's outputs and signals.
+    pub(crate) fn fits(&self, sample: &Sample) -> bool {
+        sample.outputs.len() == self.outputs.len() && sample.signals.len() == self.witnesses.len()
+    }
+
+    /// Takes note of the signals of a sample; a signal that was not recorded proves nothing.
+    pub(crate) fn note_signals(&mut self, sample: &Sample) {
+        for (witness, value) in self.witnesses.iter_mut().zip(&sample.signals) {
+            if *value != Some(true) {
+                witness.true_since = None;
+            } else if witness.true_since.is_none() {
+                witness.true_since = Some(sample.time.clone());
+            }
+        }
+    }
+
+    /// How long each signal has been true at `now`; `None` for a signal that is not.
+    pub(crate) fn true_for(&self, signal: usize, now: &Decimal) -> Option<Decimal> {
+        self.witnesses[signal].true_since.as_ref().map(|since| now - since)
+    }
+
+    /// Values of the outputs on a box.
+    pub(crate) fn outputs(&mut self, cell: &Cell, inputs: &[Interval]) -> Vec<Interval> {
+        self.set(cell, inputs);
+        self.outputs.iter_mut().map(|output| output.value(&self.q)).collect()
+    }
+
+    fn set(&mut self, cell: &Cell, inputs: &[Interval]) {
+        self.q.clear();
+        self.q.extend_from_slice(&cell.z);
+        self.q.extend_from_slice(inputs);
+    }
+
+    /// Narrows `cell` to what agrees with the sample; `Err` when nothing does.
+    ///
+    /// Guarantee: every point of the box at which all measured outputs lie inside their bounds and
+    /// everything the signals prove holds is kept.
+    pub(crate) fn narrow(&mut self, cell: &mut Cell, sample: &Sample) -> Result<(), Contradiction> {
+        self.set(cell, &sample.inputs);
+        for _ in 0..PASSES {
+            for (signal, witness) in self.witnesses.iter_mut().enumerate() {
+                let Some(since) = &witness.true_since else {
+                    continue;
+                };
+                if &sample.time - since < witness.latency {
+                    continue;
+                }
+                for zero in &mut witness.zero {
+                    let enclosure = zero.value(&self.q);
+                    if !zero.contract(&mut self.q, Interval::ZERO) {
+                        return Err(Contradiction::Signal { signal, enclosure });
+                    }
+                }
+            }
+            for (output, condition) in self.outputs.iter_mut().enumerate() {
+                let Some(measured) = sample.outputs[output] else {
+                    continue;
+                };
+                let enclosure = condition.value(&self.q);
+                if !condition.contract(&mut self.q, measured) {
+                    let gap = distance(enclosure, measured);
+                    return Err(Contradiction::Output { output, enclosure, measured, gap });
+                }
+            }
+        }
+        let kept = self.layout.states + self.layout.params;
+        cell.z.copy_from_slice(&self.q[..kept]);
+        Ok(())
+    }
+}
+
+/// A lower bound of the distance between two intervals; zero where they meet.
+fn distance(a: Interval, b: Interval) -> f64 {
+    if a.is_empty() || b.is_empty() {
+        return 0.0;
+    }
+    sub_down(a.lo(), b.hi()).max(sub_down(b.lo(), a.hi())).max(0.0)
+}

@@ -1,0 +1,402 @@
+//! The observer: a list of boxes that follows a record.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: every box holds one interval per state and parameter, and a sample's lengths \
+              are checked when it comes in"
+)]
+
+use crate::cell::{Cell, cut, remove_contained};
+use crate::measure::Measurements;
+use crate::merge::merge;
+use crate::options::ObserverOptions;
+use crate::split::Splitter;
+use crate::verdict::{Contradiction, Estimate, Refutation, Undecided, Verdict};
+use veribound_flow::{ModeSet, StepFailure, System, Workspace};
+use veribound_interval::{Decimal, Interval};
+use veribound_model::{Model, Sample};
+
+/// A box that cannot be integrated is bisected at most this often in one sample, all boxes
+/// together; so the time per sample stays bounded.
+const RESCUES: usize = 64;
+
+/// The observer of the talk: a list of boxes over states and parameters that is bisected,
+/// integrated from sample to sample, intersected with the measurements, and merged.
+///
+/// Guarantee: if the true start state and parameters lie in the declared bounds, every measurement
+/// error and input in theirs, the signals mean what the model says, and parameters change only
+/// where a reset allows it, then after every sample the true state and parameters lie in some box
+/// of [`Observer::cells`]. Source: Rauh, Senkel, Aschemann, SCAN 2014; steps numbered as there.
+///
+/// Cost: memory does not grow with the record; the time per sample is bounded by the number of
+/// boxes.
+pub struct Observer {
+    options: ObserverOptions,
+    system: System,
+    workspace: Workspace,
+    splitter: Splitter,
+    measurements: Measurements,
+    /// Start intervals of the states and priors of the parameters.
+    prior: Vec<Interval>,
+    /// Per reset: signal, parameter, how long the signal must have lasted.
+    resets: Vec<(usize, usize, Decimal)>,
+    cells: Vec<Cell>,
+    scale: Vec<f64>,
+    held: Option<(Decimal, Vec<Interval>)>,
+    samples: u64,
+    box_steps: u64,
+    boxes_max: usize,
+    finished: bool,
+}
+
+/// Misuse of an observer.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Misuse {
+    /// The sample's lists do not have the lengths of the model's.
+    Shape,
+    /// The sample's time is not after the one before.
+    Time,
+    /// The observer has already given a final verdict.
+    Finished,
+}
+
+impl std::fmt::Display for Misuse {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Misuse::Shape => "the sample does not have the inputs, outputs and signals of the model",
+            Misuse::Time => "the sample is not later than the one before",
+            Misuse::Finished => "the observer has already given its final verdict",
+        })
+    }
+}
+
+impl std::error::Error for Misuse {}
+
+impl Observer {
+    /// An observer for `model`, before the first sample.
+    pub fn new(model: &Model, options: ObserverOptions) -> Observer {
+        let options = ObserverOptions {
+            boxes: options.boxes.max(1),
+            every: options.every.max(1),
+            ..options
+        };
+        let system = System::new(model);
+        let layout = system.layout();
+        let prior: Vec<Interval> = model
+            .states
+            .iter()
+            .map(|state| state.init)
+            .chain(model.params.iter().map(|param| param.bounds))
+            .collect();
+        let resets = model
+            .signals
+            .iter()
+            .enumerate()
+            .flat_map(|(signal, s)| {
+                s.resets.iter().map(move |reset| (signal, reset.param, reset.lasts.clone()))
+            })
+            .collect();
+        Observer {
+            workspace: Workspace::new(&system, options.step),
+            splitter: Splitter::new(model),
+            measurements: Measurements::new(model, layout),
+            cells: vec![Cell { z: prior.clone(), modes: ModeSet::EMPTY }],
+            scale: vec![1.0; prior.len()],
+            prior,
+            resets,
+            system,
+            options,
+            held: None,
+            samples: 0,
+            box_steps: 0,
+            boxes_max: 1,
+            finished: false,
+        }
+    }
+
+    /// Starts from a list of parameter boxes, the estimate of an earlier run on the same system,
+    /// instead of the whole prior. Each is intersected with the prior; the parameters that a
+    /// signal can reset keep their prior. Returns false, and changes nothing, when no box is left
+    /// or a sample was already taken.
+    pub fn start_from(&mut self, params: &[Vec<Interval>]) -> bool {
+        let states = self.system.layout().states;
+        if self.samples > 0 {
+            return false;
+        }
+        let mut cells = Vec::new();
+        for list in params {
+            if list.len() != self.prior.len() - states {
+                return false;
+            }
+            let mut z = self.prior.clone();
+            for (param, bounds) in list.iter().enumerate() {
+                if !self.resets.iter().any(|(_, reset, _)| *reset == param) {
+                    z[states + param] = z[states + param].intersect(*bounds);
+                }
+            }
+            if z.iter().all(|x| !x.is_empty()) {
+                cells.push(Cell { z, modes: ModeSet::EMPTY });
+            }
+        }
+        if cells.is_empty() {
+            return false;
+        }
+        remove_contained(&mut cells);
+        self.cells = cells;
+        true
+    }
+
+    /// The boxes; every solution that agrees with the record so far lies in one of them.
+    pub fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// Steps of single boxes done so far.
+    pub fn box_steps(&self) -> u64 {
+        self.box_steps
+    }
+
+    /// The longest list there has been.
+    pub fn boxes_max(&self) -> usize {
+        self.boxes_max
+    }
+
+    /// Takes the next sample.
+    ///
+    /// Errors are misuse; what can and cannot be proved is in the [`Verdict`].
+    pub fn step(&mut self, sample: &Sample) -> Result<Verdict, Misuse> {
+        self.check(sample)?;
+        let before = self.box_steps;
+        let position = self.samples;
+        if let Some((time, inputs)) = self.held.take() {
+            let dt = (&sample.time - &time).to_interval();
+            let turn = position.is_multiple_of(self.options.every as u64);
+            let restore = self.cells.clone();
+            if turn {
+                self.bisect(&inputs);
+            }
+            if let Err((reason, cell)) = self.integrate(&inputs, dt) {
+                self.cells = restore;
+                self.finished = true;
+                return Ok(Verdict::Undecided(Undecided {
+                    sample: position,
+                    line: sample.line,
+                    time: sample.time.clone(),
+                    reason,
+                    cell,
+                }));
+            }
+        }
+        self.samples += 1;
+        self.measurements.note_signals(sample);
+        if let Err(contradiction) = self.narrow(sample) {
+            self.finished = true;
+            return Ok(Verdict::Inconsistent(Refutation {
+                sample: position,
+                line: sample.line,
+                time: sample.time.clone(),
+                contradiction,
+            }));
+        }
+        let resets = self.reset(sample);
+        self.boxes_max = self.boxes_max.max(self.cells.len());
+        self.label(&sample.inputs);
+        let crowded = self.cells.len() > self.options.boxes + self.options.bisections;
+        if crowded || position.is_multiple_of(self.options.every as u64) {
+            self.update_scale();
+            merge(
+                &mut self.cells,
+                self.options.boxes,
+                self.options.merge_across_modes,
+                &self.scale,
+            );
+        }
+        self.held = Some((sample.time.clone(), sample.inputs.clone()));
+        Ok(Verdict::Consistent(self.estimate(sample, resets, self.box_steps - before)))
+    }
+
+    fn check(&self, sample: &Sample) -> Result<(), Misuse> {
+        let layout = self.system.layout();
+        if self.finished {
+            return Err(Misuse::Finished);
+        }
+        if !self.measurements.fits(sample) || sample.inputs.len() != layout.inputs {
+            return Err(Misuse::Shape);
+        }
+        match &self.held {
+            Some((time, _)) if sample.time <= *time => Err(Misuse::Time),
+            _ => Ok(()),
+        }
+    }
+
+    /// Step 2: bisections until the list is `M - 1` longer, the box of largest volume first.
+    fn bisect(&mut self, inputs: &[Interval]) {
+        self.update_scale();
+        for _ in 0..self.options.bisections {
+            let Some(position) = self.splitter.candidate(&self.cells, &self.scale) else {
+                return;
+            };
+            let parts = self.splitter.split(&self.cells[position], inputs, &self.options);
+            if parts.len() < 2 {
+                return;
+            }
+            self.cells.swap_remove(position);
+            self.cells.extend(parts);
+        }
+    }
+
+    /// Step 3: every box to the next sample.
+    fn integrate(
+        &mut self,
+        inputs: &[Interval],
+        dt: Interval,
+    ) -> Result<(), (StepFailure, Vec<Interval>)> {
+        let states = self.system.layout().states;
+        let mut rescues = RESCUES;
+        let mut open = std::mem::take(&mut self.cells);
+        open.reverse();
+        while let Some(mut cell) = open.pop() {
+            self.box_steps += 1;
+            let (x, p) = cell.z.split_at_mut(states);
+            match self.system.step(x, p, inputs, dt, &mut self.workspace) {
+                Ok(report) => {
+                    cell.modes = report.modes;
+                    self.cells.push(cell);
+                }
+                Err(reason) => {
+                    // A smaller box may do: halve the coordinate with the largest share left.
+                    let halves = self.widest(&cell).and_then(|coordinate| {
+                        let x = cell.z[coordinate];
+                        cut(x, x.mid()).map(|halves| (coordinate, halves))
+                    });
+                    let Some((coordinate, (below, above))) = halves.filter(|_| rescues > 0) else {
+                        return Err((reason, cell.z));
+                    };
+                    rescues -= 1;
+                    for half in [above, below] {
+                        let mut part = cell.clone();
+                        part.z[coordinate] = half;
+                        open.push(part);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn widest(&self, cell: &Cell) -> Option<usize> {
+        (0..cell.z.len())
+            .filter(|i| cell.z[*i].width() > 0.0)
+            .max_by(|a, b| {
+                let share = |i: usize| cell.z[i].width() / self.scale[i];
+                share(*a).total_cmp(&share(*b))
+            })
+    }
+
+    /// Steps 4 to 6: intersection with the sample, deletion of boxes without a point left.
+    fn narrow(&mut self, sample: &Sample) -> Result<(), Contradiction> {
+        let mut nearest: Option<Contradiction> = None;
+        let cells = std::mem::take(&mut self.cells);
+        for mut cell in cells {
+            match self.measurements.narrow(&mut cell, sample) {
+                Ok(()) => self.cells.push(cell),
+                Err(found) => {
+                    if nearest.as_ref().is_none_or(|known| found.is_nearer_than(known)) {
+                        nearest = Some(found);
+                    }
+                }
+            }
+        }
+        match nearest {
+            Some(contradiction) if self.cells.is_empty() => Err(contradiction),
+            _ => Ok(()),
+        }
+    }
+
+    /// Step 7: parameters that may be new get their whole prior back, as up to three boxes
+    /// `[T_init.lo, T.lo]`, `[T.lo, T.hi]`, `[T.hi, T_init.hi]` instead of one; those that another
+    /// box already contains are left out.
+    fn reset(&mut self, sample: &Sample) -> Vec<bool> {
+        let states = self.system.layout().states;
+        let mut done = vec![false; self.prior.len() - states];
+        for (signal, param, lasts) in self.resets.clone() {
+            let held = self.measurements.true_for(signal, &sample.time);
+            if held.is_none_or(|held| held < lasts) {
+                continue;
+            }
+            done[param] = true;
+            let coordinate = states + param;
+            let whole = self.prior[coordinate];
+            let mut added = Vec::new();
+            for cell in &self.cells {
+                let known = cell.z[coordinate];
+                for (lo, hi) in [(whole.lo(), known.lo()), (known.hi(), whole.hi())] {
+                    if lo < hi
+                        && let Some(piece) = Interval::new(lo, hi)
+                    {
+                        let mut part = cell.clone();
+                        part.z[coordinate] = piece;
+                        added.push(part);
+                    }
+                }
+            }
+            for part in added {
+                if !self.cells.iter().any(|cell| part.is_subset_of(cell)) {
+                    self.cells.retain(|cell| !cell.is_subset_of(&part));
+                    self.cells.push(part);
+                }
+            }
+        }
+        done
+    }
+
+    /// Marks every box with the modes possible on it, with the input of the coming step.
+    fn label(&mut self, inputs: &[Interval]) {
+        let states = self.system.layout().states;
+        for cell in &mut self.cells {
+            let (x, p) = cell.z.split_at(states);
+            cell.modes = self.system.active_modes(x, p, inputs, &mut self.workspace);
+        }
+    }
+
+    /// Units in which widths are compared: the prior of a parameter, the list's own hull of a
+    /// state.
+    fn update_scale(&mut self) {
+        let states = self.system.layout().states;
+        for coordinate in 0..self.scale.len() {
+            let width = if coordinate < states {
+                let hull = |acc: Interval, cell: &Cell| acc.hull(cell.z[coordinate]);
+                self.cells.iter().fold(Interval::EMPTY, hull).width()
+            } else {
+                self.prior[coordinate].width()
+            };
+            self.scale[coordinate] = if width > 0.0 && width.is_finite() { width } else { 1.0 };
+        }
+    }
+
+    fn estimate(&mut self, sample: &Sample, resets: Vec<bool>, box_steps: u64) -> Estimate {
+        let states = self.system.layout().states;
+        let mut hull = vec![Interval::EMPTY; self.prior.len()];
+        let mut outputs = vec![Interval::EMPTY; sample.outputs.len()];
+        let mut modes = ModeSet::EMPTY;
+        for cell in &self.cells {
+            for (all, x) in hull.iter_mut().zip(&cell.z) {
+                *all = all.hull(*x);
+            }
+            let values = self.measurements.outputs(cell, &sample.inputs);
+            for ((all, value), measured) in outputs.iter_mut().zip(values).zip(&sample.outputs) {
+                *all = all.hull(measured.map_or(value, |measured| value.intersect(measured)));
+            }
+            modes = modes.union(cell.modes);
+        }
+        let params = hull.split_off(states);
+        Estimate {
+            states: hull,
+            params,
+            outputs,
+            modes,
+            resets,
+            boxes: self.cells.len(),
+            box_steps,
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! What the observer says after each sample.
+
+use veribound_flow::{AprioriFailure, ModeSet, StepFailure};
+use veribound_interval::{Decimal, Interval};
+
+/// The state of knowledge after a sample.
+#[derive(Debug, Clone)]
+pub enum Verdict {
+    /// Some boxes are left; whether they contain a solution is not proved.
+    Consistent(Estimate),
+    /// Proved: no start state and parameters inside the declared bounds, with errors and inputs
+    /// inside theirs, explain the record up to this sample.
+    Inconsistent(Refutation),
+    /// Nothing could be proved about this sample; the estimate of the sample before still holds.
+    Undecided(Undecided),
+}
+
+/// Bounds after one sample. Every solution that agrees with the record so far lies in them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// One interval per state.
+    pub states: Vec<Interval>,
+    /// One interval per parameter.
+    pub params: Vec<Interval>,
+    /// One interval per output: its values on the boxes, after the measurement.
+    pub outputs: Vec<Interval>,
+    /// Modes that are possible now.
+    pub modes: ModeSet,
+    /// Parameters that may have taken a new value at this sample.
+    pub resets: Vec<bool>,
+    /// Number of boxes in the list.
+    pub boxes: usize,
+    /// Box steps done for this sample.
+    pub box_steps: u64,
+}
+
+/// What removed the last boxes.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Contradiction {
+    /// The output cannot have the measured value.
+    Output {
+        /// Index of the output.
+        output: usize,
+        /// Every value the output could have had.
+        enclosure: Interval,
+        /// Every value the measurement allows.
+        measured: Interval,
+        /// A lower bound of the distance between the two.
+        gap: f64,
+    },
+    /// What the signal proves cannot hold.
+    Signal {
+        /// Index of the signal.
+        signal: usize,
+        /// Every value the expression that should be zero could have had.
+        enclosure: Interval,
+    },
+}
+
+impl Contradiction {
+    /// True when this one misses by less: of all boxes, the one that died last by the smallest
+    /// margin tells the user most.
+    pub(crate) fn is_nearer_than(&self, other: &Contradiction) -> bool {
+        let miss = |c: &Contradiction| match c {
+            Contradiction::Output { gap, .. } => (0, *gap),
+            Contradiction::Signal { enclosure, .. } => (1, enclosure.mig()),
+        };
+        let ((kind, size), (other_kind, other_size)) = (miss(self), miss(other));
+        kind < other_kind || (kind == other_kind && size < other_size)
+    }
+}
+
+/// A proof that model and record contradict each other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refutation {
+    /// Position of the sample in the record, from 0.
+    pub sample: u64,
+    /// Line of the sample in its file.
+    pub line: usize,
+    /// Time stamp of the sample.
+    pub time: Decimal,
+    /// What removed the last boxes.
+    pub contradiction: Contradiction,
+}
+
+/// Why nothing was proved about a sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Undecided {
+    /// Position of the sample in the record, from 0.
+    pub sample: u64,
+    /// Line of the sample in its file.
+    pub line: usize,
+    /// Time stamp of the sample that was not reached.
+    pub time: Decimal,
+    /// What failed.
+    pub reason: StepFailure,
+    /// A box on which it failed: states, then parameters.
+    pub cell: Vec<Interval>,
+}
+
+impl Undecided {
+    /// The state whose right-hand side is not defined somewhere on the box, if that is the reason.
+    pub fn undefined_state(&self) -> Option<usize> {
+        match self.reason {
+            StepFailure::Apriori(AprioriFailure::Undefined { state }) => Some(state),
+            _ => None,
+        }
+    }
+}
