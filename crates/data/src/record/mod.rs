@@ -1,0 +1,347 @@
+//! Records in: a CSV file becomes samples, one at a time.
+
+mod cell;
+pub(crate) mod fields;
+mod header;
+mod layout;
+pub(crate) mod lines;
+mod messages;
+mod problems;
+mod row;
+mod similar;
+mod units;
+
+use crate::digest::Digesting;
+use crate::failure;
+use header::Header;
+use layout::{Finder, Layout};
+use lines::{Lines, quote};
+use messages::Line;
+use problems::Problems;
+use row::{Row, Rows, is_comment};
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use veribound_interval::Decimal;
+use veribound_model::diagnostic::{Diagnostic, Diagnostics};
+use veribound_model::model::{Model, Sample};
+
+/// How to read a record.
+#[derive(Debug, Clone, Default)]
+pub struct RecordOptions {
+    /// Name of the time column; by default the one called `t`, `time`, `timestamp` or `stamp`.
+    pub time: Option<String>,
+    /// Pairs of a variable of the model and the column it is read from; they go before the
+    /// columns that the model names.
+    pub columns: Vec<(String, String)>,
+    /// First time of the window, in seconds on the record's own clock; by default all samples.
+    pub from: Option<Decimal>,
+    /// Last time of the window, in seconds on the record's own clock; by default all samples.
+    pub to: Option<Decimal>,
+}
+
+/// A record whose every line has been checked.
+///
+/// *Guarantee*: for every sample, the true value of an input (output) lies in its interval, if it
+/// differed from the recorded decimal by no more than the error bound of the model. Recorded bounds
+/// (`phi.lo`, `phi.hi`) are taken as recorded values too: the error bound widens them.
+///
+/// *Cost*: the file is read once here and once for every [`Record::samples`]; memory does not
+/// grow with its length.
+#[derive(Debug, Clone)]
+pub struct Record {
+    path: PathBuf,
+    name: Arc<str>,
+    layout: Arc<Layout>,
+    options: RecordOptions,
+    samples: usize,
+    first: Decimal,
+    last: Decimal,
+    sha256: String,
+}
+
+impl Record {
+    /// Reads the whole file once and checks it.
+    ///
+    /// The form of every line and the order of all time stamps are checked; values are checked
+    /// inside the window.
+    ///
+    /// *Errors*: everything that is wrong with the file (the first problems in full, the rest
+    /// counted), codes `E04xx`.
+    pub fn open(
+        path: impl AsRef<Path>,
+        model: &Model,
+        options: RecordOptions,
+    ) -> Result<Record, Diagnostics> {
+        let path = path.as_ref().to_path_buf();
+        let name: Arc<str> = Arc::from(path.display().to_string());
+        let file = open_file(&path, &name)?;
+        let mut lines = Lines::new(
+            BufReader::with_capacity(BUFFER, Digesting::new(file)),
+            &name,
+        )?;
+        let header = read_header(&mut lines, &name)?;
+        let mut problems = Problems::default();
+        let finder = Finder {
+            header: &header,
+            options: &options,
+            problems: &mut problems,
+            warnings: Vec::new(),
+        };
+        let Some(layout) = finder.find(model) else {
+            return Err(problems.into_error(&name));
+        };
+        let seen = check(&mut lines, &name, (&layout, &options), &mut problems);
+        if !problems.is_empty() {
+            return Err(problems.into_error(&name));
+        }
+        let Some((first, last)) = seen.window else {
+            return Err(no_samples(&name, &options, seen.whole).into());
+        };
+        Ok(Record {
+            sha256: lines.into_input().into_inner().finish(),
+            path,
+            layout: Arc::new(layout),
+            options,
+            samples: seen.samples,
+            first,
+            last,
+            name,
+        })
+    }
+
+    /// Reads the samples of the window from the start; may be called any number of times.
+    ///
+    /// *Errors*: when the file cannot be opened any more.
+    pub fn samples(&self) -> Result<Samples, Diagnostics> {
+        let file = open_file(&self.path, &self.name)?;
+        let mut lines = Lines::new(BufReader::with_capacity(BUFFER, file), &self.name)?;
+        read_header(&mut lines, &self.name)?;
+        Ok(Samples {
+            lines,
+            name: Arc::clone(&self.name),
+            layout: Arc::clone(&self.layout),
+            options: self.options.clone(),
+            rows: Rows::new(),
+            is_done: false,
+        })
+    }
+
+    /// Number of samples in the window; at least one.
+    pub fn len(&self) -> usize {
+        self.samples
+    }
+
+    /// Never: a record without samples is an error.
+    pub fn is_empty(&self) -> bool {
+        self.samples == 0
+    }
+
+    /// Time of the first sample of the window.
+    pub fn first(&self) -> &Decimal {
+        &self.first
+    }
+
+    /// Time of the last sample of the window.
+    pub fn last(&self) -> &Decimal {
+        &self.last
+    }
+
+    /// SHA-256 of all bytes of the file, in hexadecimal digits.
+    pub fn sha256(&self) -> &str {
+        &self.sha256
+    }
+
+    /// Path as the user gave it.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Pairs of a variable and the header of the column (or columns) it is read from; the first
+    /// pair is `time`.
+    pub fn columns(&self) -> &[(String, String)] {
+        &self.layout.pairs
+    }
+
+    /// Headers of the columns that nothing uses.
+    pub fn ignored_columns(&self) -> &[String] {
+        &self.layout.ignored
+    }
+
+    /// What the user should know: a column whose unit is not the model's.
+    pub fn warnings(&self) -> &[String] {
+        &self.layout.warnings
+    }
+}
+
+/// The samples of a record's window in the order of time.
+///
+/// An error means that the file was changed after [`Record::open`] checked it; nothing follows it.
+#[derive(Debug)]
+pub struct Samples {
+    lines: Lines<BufReader<File>>,
+    name: Arc<str>,
+    layout: Arc<Layout>,
+    options: RecordOptions,
+    rows: Rows,
+    is_done: bool,
+}
+
+impl Iterator for Samples {
+    type Item = Result<Sample, Diagnostics>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        while !self.is_done {
+            let (text, number) = match self.lines.next_line() {
+                Ok(Some(line)) => line,
+                Ok(None) => break,
+                Err(error) => {
+                    self.is_done = true;
+                    return Some(Err(error.into()));
+                }
+            };
+            let mut problems = Problems::default();
+            let line = Line {
+                file: &self.name,
+                text,
+                number,
+            };
+            match self
+                .rows
+                .read(line, &self.layout, &self.options, &mut problems)
+            {
+                Row::Sample(sample) => return Some(Ok(sample)),
+                Row::After => break,
+                Row::Bad => {
+                    self.is_done = true;
+                    return Some(Err(problems.into_error(&self.name)));
+                }
+                Row::Nothing | Row::Before => {}
+            }
+        }
+        self.is_done = true;
+        None
+    }
+}
+
+/// Bytes read from the disk at once.
+const BUFFER: usize = 1 << 16;
+
+/// What [`check`] saw.
+#[derive(Default)]
+struct Seen {
+    samples: usize,
+    /// First and last time in the window.
+    window: Option<(Decimal, Decimal)>,
+    /// First and last time in the file.
+    whole: Option<(Decimal, Decimal)>,
+}
+
+fn check<R: BufRead>(
+    lines: &mut Lines<R>,
+    name: &str,
+    (layout, options): (&Layout, &RecordOptions),
+    problems: &mut Problems,
+) -> Seen {
+    let mut rows = Rows::new();
+    let mut seen = Seen::default();
+    loop {
+        let (text, number) = match lines.next_line() {
+            Ok(Some(line)) => line,
+            Ok(None) => break,
+            Err(error) => {
+                problems.end(error);
+                break;
+            }
+        };
+        let line = Line {
+            file: name,
+            text,
+            number,
+        };
+        let row = rows.read(line, layout, options, problems);
+        if let Row::Sample(sample) = row {
+            seen.samples += 1;
+            let first = seen.window.take().map(|(first, _)| first);
+            seen.window = Some((first.unwrap_or_else(|| sample.time.clone()), sample.time));
+        }
+        if let (None, Some(time)) = (&seen.whole, rows.time()) {
+            seen.whole = Some((time.clone(), time.clone()));
+        }
+    }
+    if let (Some((_, last)), Some(time)) = (&mut seen.whole, rows.time()) {
+        *last = time.clone();
+    }
+    seen
+}
+
+fn open_file(path: &Path, name: &str) -> Result<File, Diagnostic> {
+    let refuse = |error| failure::unreadable(name, &error);
+    let file = File::open(path).map_err(refuse)?;
+    let kind = file.metadata().map_err(refuse)?.file_type();
+    if kind.is_dir() {
+        return Err(refuse(std::io::ErrorKind::IsADirectory.into()));
+    }
+    if !kind.is_file() {
+        // The record is read twice; a pipe can be read only once.
+        return Err(Diagnostic::new(
+            "E0401",
+            format!("cannot read `{name}`: it is no regular file"),
+        )
+        .help("write the record to a file first"));
+    }
+    Ok(file)
+}
+
+fn read_header<R: BufRead>(lines: &mut Lines<R>, name: &str) -> Result<Header, Diagnostic> {
+    let mut is_empty = true;
+    loop {
+        let Some((text, number)) = lines.next_line()? else {
+            let what = if is_empty {
+                "is empty"
+            } else {
+                "holds nothing but comments"
+            };
+            return Err(Diagnostic::new("E0402", format!("`{name}` {what}")).help(
+                "a record is a header line, for instance `t,u,phi`, then one line per sample",
+            ));
+        };
+        if is_comment(text) {
+            is_empty &= text.trim().is_empty();
+            continue;
+        }
+        let line = Line {
+            file: name,
+            text,
+            number,
+        };
+        let (source, _) = quote(name, text, number, 0..0);
+        return Header::parse(text, fields::separator(text), &source)
+            .map_err(|error| messages::bad_quotes(line, error));
+    }
+}
+
+fn no_samples(
+    name: &str,
+    options: &RecordOptions,
+    whole: Option<(Decimal, Decimal)>,
+) -> Diagnostic {
+    let Some((first, last)) = whole else {
+        return Diagnostic::new("E0403", format!("`{name}` has a header but no samples"))
+            .help("write one line per sample below the header");
+    };
+    let from = options.from.as_ref().map(|from| format!(" from {from} s"));
+    let to = options.to.as_ref().map(|to| format!(" to {to} s"));
+    Diagnostic::new(
+        "E0416",
+        format!(
+            "`{name}` has no sample in the window{}{}",
+            from.unwrap_or_default(),
+            to.unwrap_or_default()
+        ),
+    )
+    .help(format!(
+        "its time runs from {first} s to {last} s: choose `--from` and `--to` inside"
+    ))
+}

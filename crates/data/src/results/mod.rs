@@ -1,0 +1,8 @@
+//! Results out: the files of one run.
+
+pub(crate) mod folder;
+mod number;
+pub(crate) mod run_info;
+pub(crate) mod start;
+pub(crate) mod summary;
+pub(crate) mod table;

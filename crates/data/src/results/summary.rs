@@ -1,0 +1,312 @@
+//! `summary.json`: the verdict of a run and the bounds it proved.
+
+use super::folder::ResultFolder;
+use super::number::Number;
+use crate::outward;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+use veribound_interval::{Decimal, Interval, text};
+use veribound_model::diagnostic::Diagnostic;
+use veribound_model::model::{Param, State};
+
+/// What a run says about model and record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// Some set of parameters and states was never refuted; it is in the bounds.
+    Consistent,
+    /// Proved: no parameter in the prior explains the record.
+    Inconsistent,
+    /// Neither was proved.
+    Undecided,
+}
+
+/// The content of `summary.json`.
+///
+/// *Guarantee*: bounds are decimal numbers rounded outward from what was proved, gaps and shrinks
+/// are rounded down. An infinite bound is `null`.
+#[derive(Debug, Clone, Serialize)]
+pub struct Summary {
+    /// The verdict.
+    pub verdict: Verdict,
+    /// Why, in one sentence; none where the verdict says it all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+    /// What refutes the model, when it is refuted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refutation: Option<Refutation>,
+    /// Number of samples that were processed.
+    pub samples: usize,
+    /// Every parameter under its name, in the order of the model.
+    #[serde(serialize_with = "by_name")]
+    pub parameters: Vec<(String, ParameterSummary)>,
+    /// Every state under its name, at the last sample.
+    #[serde(serialize_with = "by_name")]
+    pub states: Vec<(String, StateSummary)>,
+    /// What the run cost.
+    pub work: Work,
+}
+
+/// Bounds of one parameter.
+#[derive(Debug, Clone, Serialize)]
+pub struct ParameterSummary {
+    #[serde(flatten)]
+    bounds: Ends,
+    unit: String,
+    prior: Ends,
+}
+
+/// Bounds of one state.
+#[derive(Debug, Clone, Serialize)]
+pub struct StateSummary {
+    #[serde(flatten)]
+    bounds: Ends,
+    unit: String,
+}
+
+/// The sample at which the last box was refuted.
+#[derive(Debug, Clone, Serialize)]
+pub struct Refutation {
+    line: usize,
+    time: Number,
+    output: String,
+    unit: String,
+    gap: Number,
+    enclosure: Ends,
+    measured: Ends,
+}
+
+/// What a run cost.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub struct Work {
+    /// Time for the whole record, in seconds.
+    pub wall_s: f64,
+    /// Longest time for one sample, in seconds.
+    pub worst_sample_s: f64,
+    /// Number of boxes times steps.
+    pub box_steps: u64,
+    /// Most boxes at one time.
+    pub boxes_max: usize,
+}
+
+/// Both ends of an interval, printed.
+#[derive(Debug, Clone, Serialize)]
+struct Ends {
+    lo: Number,
+    hi: Number,
+}
+
+impl ParameterSummary {
+    /// Bounds proved for a parameter; the empty set when it was refuted.
+    pub fn new(param: &Param, bounds: Interval) -> Self {
+        ParameterSummary {
+            bounds: if bounds.is_empty() {
+                Ends::outward(bounds)
+            } else {
+                Ends::new(outward::inside_prior(bounds, param.bounds))
+            },
+            unit: param.unit.clone(),
+            prior: Ends::new(outward::spelled(param.bounds)),
+        }
+    }
+}
+
+impl StateSummary {
+    /// Bounds proved for a state; the empty set when it was refuted.
+    pub fn new(state: &State, bounds: Interval) -> Self {
+        StateSummary {
+            bounds: Ends::outward(bounds),
+            unit: state.unit.clone(),
+        }
+    }
+}
+
+impl Refutation {
+    /// The measurement `measured` of an output, at a sample on `line` at `time`, and the disjoint
+    /// `enclosure` of all values that the model allows.
+    pub fn new(
+        (line, time): (usize, &Decimal),
+        (output, unit): (&str, &str),
+        (enclosure, measured): (Interval, Interval),
+    ) -> Self {
+        let gap = (measured - enclosure).mig();
+        Refutation {
+            line,
+            time: Number::new(time.to_string()),
+            output: output.to_owned(),
+            unit: unit.to_owned(),
+            // The smallest distance between the two sets, rounded down.
+            gap: Number::new(text::lower(gap, outward::DIGITS)),
+            enclosure: Ends::outward(enclosure),
+            measured: Ends::outward(measured),
+        }
+    }
+}
+
+impl Summary {
+    /// Writes `summary.json`.
+    ///
+    /// *Errors*: `E0501`, `E0502`.
+    pub fn write(&self, folder: &ResultFolder) -> Result<(), Diagnostic> {
+        let mut text = serde_json::to_string_pretty(self).map_err(|error| {
+            Diagnostic::new(
+                "E0503",
+                format!("the summary cannot be written as JSON: {error}"),
+            )
+        })?;
+        text.push('\n');
+        folder.write("summary.json", text.as_bytes())
+    }
+}
+
+impl Ends {
+    fn outward(bounds: Interval) -> Self {
+        if bounds.is_empty() {
+            return Ends {
+                lo: Number(None),
+                hi: Number(None),
+            };
+        }
+        Ends::new((outward::lower(bounds), outward::upper(bounds)))
+    }
+
+    fn new((lo, hi): (String, String)) -> Self {
+        Ends {
+            lo: Number::new(lo),
+            hi: Number::new(hi),
+        }
+    }
+}
+
+/// A JSON object in the order of the list.
+fn by_name<T: Serialize, S: Serializer>(
+    entries: &[(String, T)],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(entries.len()))?;
+    for (name, value) in entries {
+        map.serialize_entry(name, value)?;
+    }
+    map.end()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use veribound_model::model::Model;
+
+    fn interval(lo: &str, hi: &str) -> Interval {
+        let end = |text| Decimal::parse(text).unwrap().to_interval();
+        end(lo).hull(end(hi))
+    }
+
+    fn model() -> Model {
+        let text = "format = 1\n\
+            [states]\nomega = { unit = \"rad/s\", init = 0 }\n\
+            [params]\nalpha = { unit = \"1/s\", bounds = [-6, -0.05] }\nbeta = [100, 400]\n\
+            [der]\nomega = \"alpha * omega + beta\"\n\
+            [outputs]\nphi_m = { expr = \"omega\", error = { absolute = 0.1 } }\n";
+        Model::from_text("x.toml", text).unwrap()
+    }
+
+    #[test]
+    fn the_file_has_its_fixed_shape() {
+        let model = model();
+        let [alpha, beta] = model.params.as_slice() else {
+            panic!()
+        };
+        let half_line = interval("-1e-12", "0").hull(Interval::new(0.0, f64::INFINITY).unwrap());
+        let (enclosure, measured) = (interval("62.61", "62.93"), interval("63.02", "63.22"));
+        let time = Decimal::parse("41.25").unwrap();
+        let summary = Summary {
+            verdict: Verdict::Inconsistent,
+            reason: Some("no parameter in the prior explains the data".to_owned()),
+            refutation: Some(Refutation::new(
+                (4127, &time),
+                ("phi_m", "rad"),
+                (enclosure, measured),
+            )),
+            samples: 8001,
+            parameters: vec![
+                (
+                    "alpha".to_owned(),
+                    ParameterSummary::new(alpha, interval("-2.6", "-0.05")),
+                ),
+                (
+                    "beta".to_owned(),
+                    ParameterSummary::new(beta, Interval::EMPTY),
+                ),
+            ],
+            states: vec![(
+                "omega".to_owned(),
+                StateSummary::new(&model.states[0], half_line),
+            )],
+            work: Work {
+                wall_s: 1.5,
+                worst_sample_s: 0.0003,
+                box_steps: 12,
+                boxes_max: 50,
+            },
+        };
+        let place = tempfile::tempdir().unwrap();
+        summary
+            .write(&ResultFolder::create(place.path()).unwrap())
+            .unwrap();
+        let written = std::fs::read_to_string(place.path().join("summary.json")).unwrap();
+        let expected = r#"{
+  "verdict": "inconsistent",
+  "reason": "no parameter in the prior explains the data",
+  "refutation": {
+    "line": 4127,
+    "time": 41.25,
+    "output": "phi_m",
+    "unit": "rad",
+    "gap": 0.0899999999999,
+    "enclosure": {
+      "lo": 62.6099999999,
+      "hi": 62.9300000001
+    },
+    "measured": {
+      "lo": 63.0199999999,
+      "hi": 63.2200000001
+    }
+  },
+  "samples": 8001,
+  "parameters": {
+    "alpha": {
+      "lo": -2.60000000001,
+      "hi": -0.05,
+      "unit": "1/s",
+      "prior": {
+        "lo": -6,
+        "hi": -0.05
+      }
+    },
+    "beta": {
+      "lo": null,
+      "hi": null,
+      "unit": "",
+      "prior": {
+        "lo": 100,
+        "hi": 400
+      }
+    }
+  },
+  "states": {
+    "omega": {
+      "lo": -1.00000000001e-12,
+      "hi": null,
+      "unit": "rad/s"
+    }
+  },
+  "work": {
+    "wall_s": 1.5,
+    "worst_sample_s": 0.0003,
+    "box_steps": 12,
+    "boxes_max": 50
+  }
+}
+"#;
+        assert_eq!(written, expected);
+    }
+}

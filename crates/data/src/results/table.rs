@@ -1,0 +1,227 @@
+//! CSV tables of a run, one row per sample, written as the run goes on.
+
+use super::folder::{ResultFile, ResultFolder};
+use crate::outward;
+use std::fmt::Write as _;
+use std::io::{self, Write};
+use veribound_interval::{Decimal, Interval};
+use veribound_model::diagnostic::Diagnostic;
+use veribound_model::model::Model;
+
+/// A column of a table.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Column {
+    /// Bounds of a variable: the two columns `name.lo` and `name.hi`.
+    Bounds(String),
+    /// Anything else under its name.
+    Plain(String),
+}
+
+/// What stands in a row below one [`Column`].
+#[derive(Debug, Clone, Copy)]
+pub enum Cell<'a> {
+    /// Printed outward with 12 significant digits; two empty fields for the empty set.
+    Bounds(Interval),
+    /// A number of things.
+    Count(usize),
+    /// A duration in seconds, or another number that is no bound.
+    Float(f64),
+    /// A text, quoted where it must be.
+    Text(&'a str),
+}
+
+/// Writes one CSV table; the file appears when [`TableWriter::finish`] is called.
+///
+/// *Guarantee*: a printed lower (upper) bound is not above (below) the bound it stands for.
+///
+/// *Cost*: memory does not grow with the number of rows.
+#[derive(Debug)]
+pub struct TableWriter {
+    file: ResultFile,
+    columns: Vec<Column>,
+    line: String,
+}
+
+impl Column {
+    /// The columns of `states.csv`: bounds of every state, then `modes` and `boxes`.
+    pub fn of_states(model: &Model) -> Vec<Column> {
+        let bounds = model
+            .states
+            .iter()
+            .map(|state| Column::Bounds(state.name.clone()));
+        bounds
+            .chain(["modes", "boxes"].map(Column::plain))
+            .collect()
+    }
+
+    /// The columns of `params.csv`: bounds of every parameter, then `resets`.
+    pub fn of_params(model: &Model) -> Vec<Column> {
+        let bounds = model
+            .params
+            .iter()
+            .map(|param| Column::Bounds(param.name.clone()));
+        bounds.chain(["resets"].map(Column::plain)).collect()
+    }
+
+    /// The columns of `boxes.csv`: number of the box, bounds of every state and parameter, then
+    /// `modes`.
+    pub fn of_boxes(model: &Model) -> Vec<Column> {
+        let states = model
+            .states
+            .iter()
+            .map(|state| Column::Bounds(state.name.clone()));
+        let params = model
+            .params
+            .iter()
+            .map(|param| Column::Bounds(param.name.clone()));
+        let first = ["box"].map(Column::plain).into_iter();
+        first
+            .chain(states)
+            .chain(params)
+            .chain(["modes"].map(Column::plain))
+            .collect()
+    }
+
+    /// A column of anything but bounds.
+    pub fn plain(name: &str) -> Column {
+        Column::Plain(name.to_owned())
+    }
+}
+
+impl TableWriter {
+    /// Starts the table `name` in `folder`; its first column is the time `t`.
+    ///
+    /// *Errors*: `E0501`, `E0502`.
+    pub fn create(
+        folder: &ResultFolder,
+        name: &str,
+        columns: Vec<Column>,
+    ) -> Result<Self, Diagnostic> {
+        let mut table = TableWriter {
+            file: folder.file(name)?,
+            columns,
+            line: String::from("t"),
+        };
+        for column in &table.columns {
+            match column {
+                Column::Bounds(name) => {
+                    table.line.push(',');
+                    push_text(&mut table.line, &format!("{name}.lo"));
+                    table.line.push(',');
+                    push_text(&mut table.line, &format!("{name}.hi"));
+                }
+                Column::Plain(name) => {
+                    table.line.push(',');
+                    push_text(&mut table.line, name);
+                }
+            }
+        }
+        table.write_line()?;
+        Ok(table)
+    }
+
+    /// Writes one row: the time stamp, then one cell for every column.
+    ///
+    /// *Errors*: `E0501`, `E0502`; `E0503` when the cells do not fit the columns.
+    pub fn row(&mut self, time: &Decimal, cells: &[Cell<'_>]) -> Result<(), Diagnostic> {
+        let fits = |(column, cell): (&Column, &Cell<'_>)| {
+            matches!(column, Column::Bounds(_)) == matches!(cell, Cell::Bounds(_))
+        };
+        if cells.len() != self.columns.len() || !self.columns.iter().zip(cells).all(fits) {
+            return Err(Diagnostic::new(
+                "E0503",
+                format!(
+                    "{} cells do not fit the {} columns of a table",
+                    cells.len(),
+                    self.columns.len()
+                ),
+            ));
+        }
+        self.line.clear();
+        // Writing to a String cannot fail.
+        let _ = write!(self.line, "{time}");
+        for cell in cells {
+            self.line.push(',');
+            match *cell {
+                Cell::Bounds(bounds) if bounds.is_empty() => self.line.push(','),
+                Cell::Bounds(bounds) => {
+                    self.line.push_str(&outward::lower(bounds));
+                    self.line.push(',');
+                    self.line.push_str(&outward::upper(bounds));
+                }
+                Cell::Count(count) => {
+                    let _ = write!(self.line, "{count}");
+                }
+                Cell::Float(number) => {
+                    let _ = write!(self.line, "{number}");
+                }
+                Cell::Text(text) => push_text(&mut self.line, text),
+            }
+        }
+        self.write_line()
+    }
+
+    /// Puts the complete table under its name.
+    ///
+    /// *Errors*: `E0501`, `E0502`; nothing of the table is left then.
+    pub fn finish(self) -> Result<(), Diagnostic> {
+        self.file.finish()
+    }
+
+    fn write_line(&mut self) -> Result<(), Diagnostic> {
+        self.line.push('\n');
+        let written: io::Result<()> = self.file.write_all(self.line.as_bytes());
+        written.map_err(|error| self.file.refuse(&error))
+    }
+}
+
+/// Appends one field, quoted where a reader would split it.
+fn push_text(line: &mut String, text: &str) {
+    if text.contains([',', '"', '\n', '\r']) {
+        line.push('"');
+        line.push_str(&text.replace('"', "\"\""));
+        line.push('"');
+    } else {
+        line.push_str(text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_printed_outward_and_quoted() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = ResultFolder::create(place.path()).unwrap();
+        let columns = vec![
+            Column::Bounds("phi".into()),
+            Column::plain("modes"),
+            Column::plain("boxes"),
+        ];
+        let mut table = TableWriter::create(&folder, "states.csv", columns).unwrap();
+        let time = Decimal::parse("0.10").unwrap();
+        let third = Interval::ONE / Interval::point(3.0);
+        let tenth = time.to_interval();
+        let rows = [
+            (third, "a,b"),
+            (tenth, "a"),
+            (Interval::EMPTY, "say \"x\""),
+            (Interval::ENTIRE, ""),
+        ];
+        for (bounds, modes) in rows {
+            let cells = [Cell::Bounds(bounds), Cell::Text(modes), Cell::Count(3)];
+            table.row(&time, &cells).unwrap();
+        }
+        let wrong = table.row(&time, &[Cell::Count(1), Cell::Text(""), Cell::Count(3)]);
+        assert_eq!(wrong.unwrap_err().code, "E0503");
+        table.finish().unwrap();
+        let expected = "t,phi.lo,phi.hi,modes,boxes\n\
+            0.1,0.333333333333,0.333333333334,\"a,b\",3\n\
+            0.1,0.0999999999999,0.100000000001,a,3\n\
+            0.1,,,\"say \"\"x\"\"\",3\n\
+            0.1,-inf,inf,,3\n";
+        let written = std::fs::read_to_string(place.path().join("states.csv")).unwrap();
+        assert_eq!(written, expected);
+    }
+}
