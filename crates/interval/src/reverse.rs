@@ -337,8 +337,7 @@ fn root_up(a: f64, n: u32) -> f64 {
 fn root_guess(a: f64, n: u32) -> f64 {
     let degree = f64::from(n);
     let rough = core_math::pow(a, degree.recip());
-    let relative = core_math::log(a) - degree * core_math::log(rough);
-    let better = rough + rough * (relative / degree);
+    let better = rough - rough * ((power_down(rough, n) / a - 1.0) / degree);
     if better > 0.0 && better.is_finite() {
         better
     } else {
