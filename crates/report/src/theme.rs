@@ -1,0 +1,110 @@
+//! Colours, sizes and line styles of all figures.
+//!
+//! The colours are those of Okabe and Ito, which people with any common colour blindness tell
+//! apart; their order below alternates light and dark, so that neighbours differ in grey print.
+
+use crate::svg::Font;
+
+/// Proved enclosures of outputs and states.
+pub(crate) const BLUE: &str = "#0072B2";
+/// Parameters, by position.
+const PARAMETERS: [&str; 6] = [
+    "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#0072B2",
+];
+/// The proved inconsistency.
+pub(crate) const RED: &str = "#A0001C";
+/// Boxes and time spent.
+const WORK: &str = "#3F4B59";
+/// Measured bands: their fill and their edge.
+pub(crate) const GREY: &str = "#C9C9C9";
+pub(crate) const GREY_EDGE: &str = "#8F8F8F";
+/// Text and axes.
+pub(crate) const INK: &str = "#1A1A1A";
+pub(crate) const SOFT: &str = "#555555";
+pub(crate) const GRID: &str = "#E4E4E4";
+
+/// Natural width in SVG units of 1/96 inch: 169 mm, the text width of a page.
+pub(crate) const WIDTH: f64 = 640.0;
+
+/// Axis labels and panel headings: 9 points in natural size.
+pub(crate) const LABEL: Font = Font {
+    size: 12.0,
+    color: INK,
+    bold: false,
+};
+/// Names of panels.
+pub(crate) const NAME: Font = Font {
+    size: 12.0,
+    color: INK,
+    bold: true,
+};
+/// Tick labels, legends and remarks.
+pub(crate) const SMALL: Font = Font {
+    size: 11.0,
+    color: INK,
+    bold: false,
+};
+pub(crate) const REMARK: Font = Font {
+    size: 11.0,
+    color: SOFT,
+    bold: false,
+};
+/// Tick labels of an inset.
+pub(crate) const TINY: Font = Font {
+    size: 9.5,
+    color: INK,
+    bold: false,
+};
+
+/// The colour of parameter `i` in every figure.
+pub(crate) fn parameter(i: usize) -> &'static str {
+    PARAMETERS
+        .get(i % PARAMETERS.len())
+        .copied()
+        .unwrap_or(BLUE)
+}
+
+/// Style of a band: tinted inside, with an edge that stays visible however thin the band is.
+pub(crate) fn band(color: &str) -> String {
+    format!(
+        "fill=\"{color}\" fill-opacity=\"0.38\" stroke=\"{color}\" stroke-width=\"0.8\" \
+         stroke-linejoin=\"round\""
+    )
+}
+
+/// Style of a measured band.
+pub(crate) fn measured() -> String {
+    format!("fill=\"{GREY}\" stroke=\"{GREY_EDGE}\" stroke-width=\"0.5\" stroke-linejoin=\"round\"")
+}
+
+/// Style of a compared run's band: hatched, with a dark broken edge.
+pub(crate) fn compared(hatch: &str) -> String {
+    format!("fill=\"{hatch}\" stroke=\"{INK}\" stroke-width=\"0.8\" stroke-linejoin=\"round\"")
+}
+
+/// Style of the range of a count or a time over neighbouring samples.
+pub(crate) fn work() -> String {
+    format!("fill=\"{WORK}\" fill-opacity=\"0.75\" stroke=\"{WORK}\" stroke-width=\"0.5\"")
+}
+
+/// Style of the area below it.
+pub(crate) fn below_work() -> String {
+    format!("fill=\"{WORK}\" fill-opacity=\"0.14\"")
+}
+
+/// Style of prior bounds.
+pub(crate) fn prior() -> String {
+    format!(
+        "stroke=\"{INK}\" stroke-width=\"1.3\" stroke-dasharray=\"0.1 3.2\" stroke-linecap=\"round\""
+    )
+}
+
+/// Style of a nominal value or a deadline.
+pub(crate) fn dashed() -> String {
+    format!("stroke=\"{INK}\" stroke-width=\"0.9\" stroke-dasharray=\"6 3.5\"")
+}
+
+/// Style of the tick of a reset.
+pub(crate) fn reset() -> String {
+    format!("stroke=\"{INK}\" stroke-width=\"1.2\"")
+}
