@@ -31,6 +31,8 @@ pub struct Model {
     pub signals: Vec<Signal>,
     /// What is known about the guards leaving no gap.
     pub coverage: Coverage,
+    /// What was made of the file beyond what it says, in sentences for the user.
+    pub notes: Vec<String>,
     /// The text the model was read from.
     pub source: Arc<SourceText>,
 }

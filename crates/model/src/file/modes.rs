@@ -1,0 +1,258 @@
+//! Set-valued functions become modes.
+//!
+//! `sign(e)` is `+1` where `e >= 0` and `-1` where `e <= 0`: at `e = 0` both modes are active, and
+//! the convex hull of the two right-hand sides is the set that `sign(0) = [-1, 1]` gives.
+//! `friction(v, d, T)` is dry friction of level `T` at velocity `v` under the drive `d`: `T` and
+//! `-T` in the sliding modes, and `d` itself while it can hold, at `v = 0` and `|d| <= T`.
+
+use crate::file::lower::{Lowering, Switch, both, either};
+use crate::graph::{ExprId, Graph, Node, Unary, Var};
+use crate::model::{Guard, Mode, Relation};
+use num_traits::Zero;
+
+/// More modes than this are refused: five friction elements, or seven signs.
+pub(crate) const MOST_MODES: usize = 243;
+
+/// One way a set-valued function can be.
+struct Branch {
+    name: &'static str,
+    guard: Guard,
+    value: ExprId,
+    /// A state with what it equals in this branch.
+    fixed: Option<(Var, ExprId)>,
+}
+
+/// The modes that one written mode stands for: one for each combination of branches of the
+/// set-valued functions in its right-hand side.
+///
+/// # Errors
+/// The number of modes, if it is more than [`MOST_MODES`].
+pub(crate) fn expand(
+    lowering: &mut Lowering,
+    name: &str,
+    guard: &Guard,
+    der: &[ExprId],
+    notes: &mut Vec<String>,
+) -> Result<Vec<Mode>, usize> {
+    let mut used: Vec<usize> = der.iter().flat_map(|e| lowering.switches_in(*e)).collect();
+    used.sort_unstable();
+    used.dedup();
+    let branches = |index: &usize| match lowering.switches.get(*index) {
+        Some(Switch::Friction { .. }) => 3,
+        _ => 2,
+    };
+    let count = used
+        .iter()
+        .map(branches)
+        .fold(1_usize, usize::saturating_mul);
+    if count > MOST_MODES {
+        return Err(count);
+    }
+    let mut modes = Vec::new();
+    for number in 0..count {
+        modes.push(combination(lowering, name, guard, der, &used, number));
+    }
+    if let ([index], "") = (used.as_slice(), name) {
+        notes.extend(sliding_note(lowering, *index, der));
+    }
+    Ok(modes)
+}
+
+/// Mode `number`: its digits pick one branch of each set-valued function.
+fn combination(
+    lowering: &mut Lowering,
+    name: &str,
+    guard: &Guard,
+    der: &[ExprId],
+    used: &[usize],
+    mut number: usize,
+) -> Mode {
+    let mut values: Vec<(Var, ExprId)> = Vec::new();
+    let mut fixed: Vec<(Var, ExprId)> = Vec::new();
+    let mut guard = guard.clone();
+    let mut names: Vec<&str> = if name.is_empty() {
+        Vec::new()
+    } else {
+        vec![name]
+    };
+    for &index in used {
+        // Arguments of a set-valued function hold only set-valued functions met before it, so
+        // their placeholders are replaced already.
+        let Some(switch) = lowering.switches.get(index).copied() else {
+            continue;
+        };
+        let branches = branches(lowering, switch, &values);
+        let count = branches.len();
+        if let Some(branch) = branches.into_iter().nth(number % count) {
+            names.push(branch.name);
+            guard = both(guard, branch.guard);
+            values.push((lowering.placeholder(index), branch.value));
+            // One state is fixed by one branch only; a second equation for it stays as it is.
+            if let Some((state, value)) = branch.fixed
+                && fixed.iter().all(|(known, old)| {
+                    *known != state
+                        && !lowering.graph.depends_on(*old, state)
+                        && !lowering.graph.depends_on(value, *known)
+                })
+            {
+                fixed.push((state, value));
+            }
+        }
+        number /= count;
+    }
+    let mut equations = Vec::new();
+    for e in der {
+        let e = lowering.replaced(*e, &values);
+        equations.push(lowering.replaced(e, &fixed));
+    }
+    let name = if names.is_empty() {
+        "smooth".to_string()
+    } else {
+        names.join("+")
+    };
+    Mode {
+        name,
+        guard,
+        der: equations,
+    }
+}
+
+fn branches(lowering: &mut Lowering, switch: Switch, values: &[(Var, ExprId)]) -> Vec<Branch> {
+    match switch {
+        Switch::Sign(argument) => {
+            let argument = lowering.replaced(argument, values);
+            let mut branch = |name, relation, value| Branch {
+                name,
+                guard: Guard::Atom {
+                    expr: argument,
+                    relation,
+                },
+                value: lowering.graph.integer(value),
+                fixed: None,
+            };
+            vec![
+                branch("positive", Relation::GreaterEqual, 1),
+                branch("negative", Relation::LessEqual, -1),
+            ]
+        }
+        Switch::Friction {
+            velocity,
+            drive,
+            level,
+        } => {
+            let velocity = lowering.replaced(velocity, values);
+            let drive = lowering.replaced(drive, values);
+            let level = lowering.replaced(level, values);
+            let graph = &mut lowering.graph;
+            let negative_level = graph.neg(level);
+            let above = graph.sub(drive, level);
+            let below = graph.sub(drive, negative_level);
+            let size = graph.unary(Unary::Abs, drive);
+            let beyond = graph.sub(size, level);
+            let atom = |expr, relation| Guard::Atom { expr, relation };
+            let breaks = |relation, excess, side| {
+                both(atom(velocity, Relation::Equal), atom(excess, side)).with(velocity, relation)
+            };
+            let fixed = holding(graph, velocity);
+            vec![
+                Branch {
+                    name: "forward",
+                    guard: breaks(Relation::Greater, above, Relation::Greater),
+                    value: level,
+                    fixed: None,
+                },
+                Branch {
+                    name: "stick",
+                    guard: both(
+                        atom(velocity, Relation::Equal),
+                        atom(beyond, Relation::LessEqual),
+                    ),
+                    value: drive,
+                    fixed,
+                },
+                Branch {
+                    name: "backward",
+                    guard: breaks(Relation::Less, below, Relation::Less),
+                    value: negative_level,
+                    fixed: None,
+                },
+            ]
+        }
+    }
+}
+
+impl Guard {
+    /// `velocity relation 0 or self`.
+    fn with(self, velocity: ExprId, relation: Relation) -> Guard {
+        either(
+            Guard::Atom {
+                expr: velocity,
+                relation,
+            },
+            self,
+        )
+    }
+}
+
+/// The state that `velocity = 0` fixes, with its value: for `v - 0.2` the state `v` is `0.2`.
+///
+/// Only a velocity that is `slope * state + rest` is used, with a constant slope and a rest without
+/// that state; there the equation has exactly one solution.
+fn holding(graph: &mut Graph, velocity: ExprId) -> Option<(Var, ExprId)> {
+    // The derivative of `sign` is taken as zero by the graph, which says nothing across its jump.
+    let jumps = graph
+        .reachable(&[velocity])
+        .into_iter()
+        .any(|e| matches!(graph.node(e), Node::Unary(Unary::Sign, _)));
+    if jumps {
+        return None;
+    }
+    for var in graph.variables(velocity) {
+        if !matches!(var, Var::State(_)) {
+            continue;
+        }
+        let slope = graph.derivative(velocity, var);
+        if graph.as_constant(slope).is_none_or(Zero::is_zero) {
+            continue;
+        }
+        let zero = graph.integer(0);
+        let rest = graph.substitute(velocity, &|v| (v == var).then_some(zero));
+        if graph.depends_on(rest, var) {
+            continue;
+        }
+        let root = graph.div(rest, slope);
+        return Some((var, graph.neg(root)));
+    }
+    None
+}
+
+/// States that the stick mode is the Filippov sliding mode, where that is proved: the right-hand
+/// side is affine in the friction value, which in stick lies between the two sliding values, and it
+/// leaves the velocity at zero.
+fn sliding_note(lowering: &mut Lowering, index: usize, der: &[ExprId]) -> Option<String> {
+    let Some(Switch::Friction {
+        velocity, drive, ..
+    }) = lowering.switches.get(index).copied()
+    else {
+        return None;
+    };
+    let placeholder = lowering.placeholder(index);
+    let fixed = holding(&mut lowering.graph, velocity)?;
+    let graph = &mut lowering.graph;
+    let mut drift = graph.integer(0);
+    for (state, e) in der.iter().enumerate() {
+        let slope = graph.derivative(*e, placeholder);
+        if graph.depends_on(slope, placeholder) {
+            return None;
+        }
+        let stuck = graph.substitute(*e, &|v| (v == placeholder).then_some(drive));
+        let stuck = graph.substitute(stuck, &|v| (v == fixed.0).then_some(fixed.1));
+        let gradient = graph.derivative(velocity, Var::State(state));
+        let term = graph.mul(gradient, stuck);
+        drift = graph.add(drift, term);
+    }
+    graph
+        .as_constant(drift)
+        .is_some_and(Zero::is_zero)
+        .then(|| "stick is the Filippov sliding mode of forward and backward (proved)".to_string())
+}

@@ -1,0 +1,132 @@
+//! An equation or condition as it was written.
+
+use crate::graph::Unary;
+use crate::model::Relation;
+use num_rational::BigRational;
+use std::ops::Range;
+
+/// A piece of an equation with its place.
+#[derive(Debug, Clone)]
+pub(crate) struct Ast {
+    pub kind: Kind,
+    /// Bytes of the text it was read from.
+    pub range: Range<usize>,
+    /// Levels below and including this one; bounds every recursion over the tree.
+    pub depth: usize,
+}
+
+#[derive(Debug, Clone)]
+pub(crate) enum Kind {
+    Number(BigRational),
+    Name(String),
+    /// `true`
+    Always,
+    Negate(Box<Ast>),
+    Arithmetic(Arithmetic, Box<Ast>, Box<Ast>),
+    Power(Box<Ast>, Box<Ast>),
+    Call(Function, Vec<Ast>),
+    Compare(Relation, Box<Ast>, Box<Ast>),
+    And(Box<Ast>, Box<Ast>),
+    Or(Box<Ast>, Box<Ast>),
+    Not(Box<Ast>),
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Arithmetic {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+}
+
+/// Functions an equation can call.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Function {
+    Plain(Unary),
+    Min,
+    Max,
+    Friction,
+}
+
+impl Function {
+    /// All names, also those that are second names.
+    pub const NAMES: [(&str, Function); 14] = [
+        ("sqrt", Function::Plain(Unary::Sqrt)),
+        ("exp", Function::Plain(Unary::Exp)),
+        ("log", Function::Plain(Unary::Ln)),
+        ("ln", Function::Plain(Unary::Ln)),
+        ("sin", Function::Plain(Unary::Sin)),
+        ("cos", Function::Plain(Unary::Cos)),
+        ("tan", Function::Plain(Unary::Tan)),
+        ("atan", Function::Plain(Unary::Atan)),
+        ("tanh", Function::Plain(Unary::Tanh)),
+        ("abs", Function::Plain(Unary::Abs)),
+        ("sign", Function::Plain(Unary::Sign)),
+        ("min", Function::Min),
+        ("max", Function::Max),
+        ("friction", Function::Friction),
+    ];
+
+    pub fn named(name: &str) -> Option<Function> {
+        Self::NAMES
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map(|(_, function)| *function)
+    }
+
+    /// Fewest and most arguments, and how to write the call.
+    pub fn arguments(self) -> (usize, usize, &'static str) {
+        match self {
+            Function::Plain(_) => (1, 1, "one argument"),
+            Function::Min | Function::Max => (2, 64, "two or more arguments"),
+            Function::Friction => (3, 3, "three arguments: friction(velocity, drive, level)"),
+        }
+    }
+}
+
+/// Words of the language that no quantity can be named.
+pub(crate) fn is_reserved(name: &str) -> bool {
+    matches!(name, "pi" | "and" | "or" | "not" | "true" | "false")
+        || Function::named(name).is_some()
+}
+
+impl Ast {
+    pub fn new(kind: Kind, range: Range<usize>) -> Self {
+        let depth = 1 + kind
+            .children()
+            .iter()
+            .map(|child| child.depth)
+            .max()
+            .unwrap_or(0);
+        Ast { kind, range, depth }
+    }
+
+    /// Every name that occurs, in the order of the text, with its place.
+    pub fn names(&self) -> Vec<(&str, Range<usize>)> {
+        let mut found = Vec::new();
+        let mut open = vec![self];
+        while let Some(ast) = open.pop() {
+            if let Kind::Name(name) = &ast.kind {
+                found.push((name.as_str(), ast.range.clone()));
+            }
+            open.extend(ast.kind.children());
+        }
+        found.sort_by_key(|(_, range)| range.start);
+        found
+    }
+}
+
+impl Kind {
+    pub fn children(&self) -> Vec<&Ast> {
+        match self {
+            Kind::Number(_) | Kind::Name(_) | Kind::Always => Vec::new(),
+            Kind::Negate(a) | Kind::Not(a) => vec![a],
+            Kind::Arithmetic(_, a, b)
+            | Kind::Power(a, b)
+            | Kind::Compare(_, a, b)
+            | Kind::And(a, b)
+            | Kind::Or(a, b) => vec![a, b],
+            Kind::Call(_, arguments) => arguments.iter().collect(),
+        }
+    }
+}
