@@ -1,6 +1,13 @@
 //! One record in every accepted spelling gives the same samples; windows, missing values and
 //! irregular stamps mean what they say.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that fails stops"
+)]
+
 mod support;
 
 use std::path::PathBuf;

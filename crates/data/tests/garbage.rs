@@ -1,5 +1,12 @@
 //! Whatever the bytes of a record are, reading it ends with samples or with messages.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that fails stops"
+)]
+
 mod support;
 
 use support::rig;

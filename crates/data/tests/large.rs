@@ -1,5 +1,12 @@
 //! Long records: reading takes little time, and memory that does not grow with the length.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that fails stops"
+)]
+
 mod support;
 
 use std::io::Write;

@@ -1,6 +1,13 @@
 //! Every message about a record, word by word: `testdata/messages/NAME.csv` must be refused with the
 //! text in `NAME.expected`. `VERIBOUND_BLESS=1` writes the expected texts anew.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that fails stops"
+)]
+
 mod support;
 
 use std::path::{Path, PathBuf};

@@ -1,5 +1,12 @@
 //! The measured records, read where they are present.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that fails stops"
+)]
+
 mod support;
 
 use support::{decimal, model, shared};

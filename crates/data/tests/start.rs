@@ -1,5 +1,12 @@
 //! What a run wrote can be read back to start another one.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that fails stops"
+)]
+
 mod support;
 
 use std::path::Path;
