@@ -268,9 +268,19 @@ impl Interval {
             0 => Interval::ONE,
             1 => self,
             2 => self.sqr(),
-            _ if n < 0 => self.positive_power(n.unsigned_abs()).recip(),
+            _ if n < 0 => self.negative_power(n.unsigned_abs()),
             _ => self.positive_power(n.unsigned_abs()),
         }
+    }
+
+    /// Powers for `-n`: the reciprocal of the power, or where that overflows, also the power of the
+    /// reciprocal; both contain all powers.
+    fn negative_power(self, n: u32) -> Interval {
+        let power = self.positive_power(n);
+        if power.is_bounded() || !self.is_bounded() {
+            return power.recip();
+        }
+        power.recip().intersect(self.recip().positive_power(n))
     }
 
     /// Powers for `n >= 1`: increasing for odd `n`, a function of `|x|` for even `n`.

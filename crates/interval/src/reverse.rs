@@ -89,39 +89,28 @@ impl Interval {
         both_signs(c.sqrt(), x)
     }
 
-    /// `{x : x^n in c}`.
+    /// `{x : x^n in c}`; for negative `n` the number 0 is no solution.
     pub fn powi_rev(n: i32, c: Interval, x: Interval) -> Interval {
-        if n < 0 {
-            // x^n in c exactly if x^-n in 1/c, and 0 solves neither.
-            let x = if x == Interval::ZERO {
-                Interval::EMPTY
-            } else {
-                x
-            };
-            return Interval::powi_rev_positive(n.unsigned_abs(), c.recip(), x);
-        }
         if n == 0 {
             return if c.contains(1.0) { x } else { Interval::EMPTY };
         }
-        Interval::powi_rev_positive(n.unsigned_abs(), c, x)
-    }
-
-    fn powi_rev_positive(n: u32, c: Interval, x: Interval) -> Interval {
-        if n == 1 {
-            return x.intersect(c);
-        }
-        let magnitude = |c: Interval| {
-            let c = c.intersect(Interval::NON_NEGATIVE);
-            if c.is_empty() {
+        let roots = |c: Interval| {
+            let (c, n) = (c.intersect(Interval::NON_NEGATIVE), n.unsigned_abs());
+            if c.is_empty() || n == 1 {
                 c
             } else {
                 Interval::raw(root_down(c.lo(), n), root_up(c.hi(), n))
             }
         };
-        if n.is_multiple_of(2) {
-            return both_signs(magnitude(c), x);
-        }
-        x.intersect(magnitude(c)).hull(x.intersect(-magnitude(-c)))
+        // Solutions below and above 0.
+        let above = roots(c);
+        let below = if n & 1 == 0 { -above } else { -roots(-c) };
+        let (below, above) = if n < 0 {
+            (below.recip(), above.recip())
+        } else {
+            (below, above)
+        };
+        x.intersect(below).hull(x.intersect(above))
     }
 
     /// `{x : |x| in c}`.
@@ -215,20 +204,20 @@ impl Interval {
     /// very large end of `x` stays as it is.
     pub fn sin_rev(c: Interval, x: Interval) -> Interval {
         let principal = c.asin();
-        branches(principal, x, 0.0, |k, turn| {
-            turn + if k & 1 == 0 { principal } else { -principal }
+        branches(principal, x, 0.0, |k| {
+            half_turns(k) + if k & 1 == 0 { principal } else { -principal }
         })
     }
 
-    /// `{x : cos(x) in c}`: on `[kπ, kπ + π]` the solutions are `kπ + acos(c)` for even `k` and
-    /// `kπ + π - acos(c)` for odd `k`.
+    /// `{x : cos(x) in c}`: on `[kπ, (k + 1)π]` the solutions are `kπ + acos(c)` for even `k` and
+    /// `(k + 1)π - acos(c)` for odd `k`.
     pub fn cos_rev(c: Interval, x: Interval) -> Interval {
         let principal = c.acos();
-        branches(principal, x, 0.5, |k, turn| {
-            turn + if k & 1 == 0 {
-                principal
+        branches(principal, x, 0.5, |k| {
+            if k & 1 == 0 {
+                half_turns(k) + principal
             } else {
-                Interval::PI - principal
+                half_turns(k + 1) - principal
             }
         })
     }
@@ -236,7 +225,7 @@ impl Interval {
     /// `{x : tan(x) in c}`: on `(kπ - π/2, kπ + π/2)` the solutions are `kπ + atan(c)`.
     pub fn tan_rev(c: Interval, x: Interval) -> Interval {
         let principal = c.atan();
-        branches(principal, x, 0.0, |_, turn| turn + principal)
+        branches(principal, x, 0.0, |k| half_turns(k) + principal)
     }
 }
 
@@ -246,10 +235,15 @@ fn both_signs(size: Interval, x: Interval) -> Interval {
     x.intersect(size).hull(x.intersect(-size))
 }
 
+/// `kπ`; the branch numbers are far below 2^53.
+fn half_turns(k: i64) -> Interval {
+    Interval::PI * Interval::point(k as f64)
+}
+
 /// The hull of `x` with the pieces of all branches `k` of a periodic function.
 ///
 /// Branch `k` covers `[(k - 1/2 + shift) π, (k + 1/2 + shift) π]`, the branches together cover the
-/// line, and `piece(k, kπ)` encloses all solutions on branch `k`. The lower end of the result is that
+/// line, and `piece(k)` encloses all solutions on branch `k`. The lower end of the result is that
 /// of the first piece that meets `x`, counted from one branch before the one that holds `x.lo`; the
 /// rounding error of the branch number is far below 1 for the magnitudes allowed. If no piece between
 /// the two ends meets `x`, there is no solution. The third branch from the end lies inside `x`, if `x`
@@ -258,14 +252,14 @@ fn branches(
     principal: Interval,
     x: Interval,
     shift: f64,
-    piece: impl Fn(i64, Interval) -> Interval,
+    piece: impl Fn(i64) -> Interval,
 ) -> Interval {
     const LARGEST: f64 = 1e12;
     if principal.is_empty() || x.is_empty() {
         return Interval::EMPTY;
     }
     let number = |end: f64| (end / std::f64::consts::PI - shift).round() as i64;
-    let cut = |k: i64| x.intersect(piece(k, Interval::PI * Interval::point(k as f64)));
+    let cut = |k: i64| x.intersect(piece(k));
     let low_known = x.lo().abs() <= LARGEST;
     let high_known = x.hi().abs() <= LARGEST;
     let lo = if low_known {
@@ -303,44 +297,62 @@ fn branches(
     Interval::ordered(lo, hi)
 }
 
-/// A lower bound of the `n`-th root of `a >= 0`, `n >= 2`: a guess, lowered until its power, rounded
-/// up, is not above `a`. The guess needs no guarantee.
+/// A lower bound of the `n`-th root of `a >= 0`, `n >= 2`: the largest float whose power, rounded up,
+/// is not above `a`.
 fn root_down(a: f64, n: u32) -> f64 {
     if a == 0.0 || a.is_infinite() {
         return if a == 0.0 { 0.0 } else { f64::MAX };
     }
-    let mut root = root_guess(a, n).next_up();
-    let mut step = 1;
-    while power_up(root, n) > a {
-        root = f64::from_bits(root.to_bits().saturating_sub(step));
-        step *= 2;
-    }
-    root
+    last_that_holds(root_guess(a, n), |x| power_up(x, n) <= a).0
 }
 
-/// An upper bound of the `n`-th root; mirror image of [`root_down`]. It ends at the largest float at the
-/// latest, whose power, rounded down, is the largest float.
+/// An upper bound of the `n`-th root; the smallest float whose power, rounded down, is not below `a`.
 fn root_up(a: f64, n: u32) -> f64 {
     if a == 0.0 || a.is_infinite() {
         return a;
     }
-    let mut root = root_guess(a, n).next_down();
-    let mut step = 1;
-    while power_down(root, n) < a {
-        root = f64::from_bits((root.to_bits() + step).min(f64::MAX.to_bits()));
-        step *= 2;
-    }
-    root
+    last_that_holds(root_guess(a, n), |x| power_down(x, n) < a).1
 }
 
-/// Near the root: a power with a rounded exponent, improved by one Newton step.
+/// Two neighbours, the first with the property and the second without. Required: 0 has it, the largest
+/// float has not. The search starts at the guess with growing steps, then bisects; both answers have
+/// been tested, so nothing depends on the guess or on monotony.
+fn last_that_holds(guess: f64, property: impl Fn(f64) -> bool) -> (f64, f64) {
+    let holds = |bits: u64| property(f64::from_bits(bits));
+    let (mut with, mut step) = (guess.to_bits(), 1);
+    let mut without = with;
+    while !holds(with) {
+        without = with;
+        with = with.saturating_sub(step);
+        step *= 2;
+    }
+    while without == with || holds(without) {
+        with = without;
+        without = (without + step).min(f64::MAX.to_bits());
+        step *= 2;
+    }
+    while without - with > 1 {
+        let middle = with + (without - with) / 2;
+        if holds(middle) {
+            with = middle;
+        } else {
+            without = middle;
+        }
+    }
+    (f64::from_bits(with), f64::from_bits(without))
+}
+
+/// A positive finite float near the root, which needs no guarantee: a power with a rounded exponent,
+/// improved by one Newton step.
 fn root_guess(a: f64, n: u32) -> f64 {
     let degree = f64::from(n);
     let rough = core_math::pow(a, degree.recip());
     let better = rough - rough * ((power_down(rough, n) / a - 1.0) / degree);
-    if better > 0.0 && better.is_finite() {
+    // The powers of subnormal numbers are too coarse for the step.
+    let guess = if a > 1e-290 && better.is_finite() {
         better
     } else {
         rough
-    }
+    };
+    guess.clamp(f64::MIN_POSITIVE, f64::MAX)
 }
