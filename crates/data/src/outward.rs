@@ -18,9 +18,11 @@ pub(crate) fn upper(bounds: Interval) -> String {
 /// The ends of the interval that a user wrote as two decimals and that was read as `read`.
 ///
 /// `[-6, -0.05]` is held as floats a little outside; printing these outward would show
-/// -0.0499999999999 where the user knows -0.05. An end of at most 15 digits is uniquely determined by
-/// its float, because no two such decimals share one; so the decimal that is read as exactly this
-/// end is the one that was written. Longer ends are rounded outward.
+/// -0.0499999999999 where the user knows -0.05. Decimals of at most 15 digits are farther apart than
+/// floats, so at most one of them is read as a given end, and if the user wrote an end with at most
+/// 15 digits, it is that one. Assumed: nobody writes a prior with more digits that shares its float
+/// with a shorter decimal (such an end would be shown as the shorter one). Where no short decimal is
+/// read as the end, it is rounded outward.
 pub(crate) fn spelled(read: Interval) -> (String, String) {
     let lo = (1..=15).map(|digits| text::upper(read.lo(), digits));
     let lo = lo.filter(|text| enclosed(text).is_some_and(|end| end.lo() == read.lo()));
