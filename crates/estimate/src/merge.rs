@@ -10,6 +10,66 @@ use crate::cell::{Cell, remove_contained};
 /// direction can still be compared.
 const THINNEST: f64 = 1e-6;
 
+/// The boxes in units of the scale, one after another, and their volumes. It only ranks pairs, so
+/// plain floating point will do.
+struct Shapes {
+    dimension: usize,
+    lo: Vec<f64>,
+    hi: Vec<f64>,
+    volumes: Vec<f64>,
+}
+
+impl Shapes {
+    fn new(cells: &[Cell], scale: &[f64]) -> Shapes {
+        let mut shapes =
+            Shapes { dimension: scale.len(), lo: Vec::new(), hi: Vec::new(), volumes: Vec::new() };
+        for cell in cells {
+            for (x, s) in cell.z.iter().zip(scale) {
+                shapes.lo.push(x.lo() / s);
+                shapes.hi.push(x.hi() / s);
+            }
+        }
+        shapes.volumes = (0..cells.len()).map(|i| shapes.hull_volume(i, i)).collect();
+        shapes
+    }
+
+    fn hull_volume(&self, i: usize, j: usize) -> f64 {
+        let (i, j, d) = (i * self.dimension, j * self.dimension, self.dimension);
+        let (lo_i, lo_j) = (&self.lo[i..i + d], &self.lo[j..j + d]);
+        let (hi_i, hi_j) = (&self.hi[i..i + d], &self.hi[j..j + d]);
+        let mut product = 1.0;
+        for k in 0..d {
+            let width = hi_i[k].max(hi_j[k]) - lo_i[k].min(lo_j[k]);
+            product *= width.max(THINNEST);
+        }
+        product
+    }
+
+    /// Volume of the hull over the volume of the two boxes; small means little is added.
+    fn overestimation(&self, i: usize, j: usize) -> f64 {
+        self.hull_volume(i, j) / (self.volumes[i] + self.volumes[j])
+    }
+
+    /// Box `keep` becomes the hull with box `gone`, whose place the last box takes.
+    fn join(&mut self, keep: usize, gone: usize) {
+        let d = self.dimension;
+        for k in 0..d {
+            let (a, b) = (keep * d + k, gone * d + k);
+            self.lo[a] = self.lo[a].min(self.lo[b]);
+            self.hi[a] = self.hi[a].max(self.hi[b]);
+        }
+        let last = self.volumes.len() - 1;
+        for k in 0..d {
+            self.lo.swap(gone * d + k, last * d + k);
+            self.hi.swap(gone * d + k, last * d + k);
+        }
+        self.lo.truncate(last * d);
+        self.hi.truncate(last * d);
+        self.volumes.swap_remove(gone);
+        self.volumes[keep] = self.hull_volume(keep, keep);
+    }
+}
+
 /// Joins boxes until at most `target` are left.
 ///
 /// Guarantee: the union of the boxes does not shrink. Boxes with different active modes are never
@@ -23,9 +83,9 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
     if cells.len() <= target {
         return;
     }
-    let mut volumes: Vec<f64> = cells.iter().map(|cell| volume(cell, scale)).collect();
+    let mut shapes = Shapes::new(cells, scale);
     let mut best: Vec<Option<(usize, f64)>> =
-        (0..cells.len()).map(|i| partner(cells, &volumes, i, across_modes, scale)).collect();
+        (0..cells.len()).map(|i| partner(cells, &shapes, i, across_modes)).collect();
     while cells.len() > target {
         let cheapest = best
             .iter()
@@ -37,16 +97,15 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
         };
         let (keep, gone) = (i.min(j), i.max(j));
         let other = cells.swap_remove(gone);
-        volumes.swap_remove(gone);
         best.swap_remove(gone);
-        let moved = cells.len();
         cells[keep].join(&other);
-        volumes[keep] = volume(&cells[keep], scale);
+        shapes.join(keep, gone);
+        let moved = cells.len();
         for position in 0..cells.len() {
             let stale = position == keep
                 || best[position].is_some_and(|(partner, _)| partner == keep || partner == gone);
             if stale {
-                best[position] = partner(cells, &volumes, position, across_modes, scale);
+                best[position] = partner(cells, &shapes, position, across_modes);
                 continue;
             }
             if let Some((partner, _)) = &mut best[position]
@@ -54,49 +113,34 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
             {
                 *partner = gone;
             }
-            if let Some(cost) = overestimation(cells, &volumes, position, keep, across_modes, scale)
-                && best[position].is_none_or(|(_, known)| cost < known)
-            {
-                best[position] = Some((keep, cost));
+            if across_modes || cells[position].modes == cells[keep].modes {
+                let cost = shapes.overestimation(position, keep);
+                if best[position].is_none_or(|(_, known)| cost < known) {
+                    best[position] = Some((keep, cost));
+                }
             }
         }
     }
 }
 
-fn volume(cell: &Cell, scale: &[f64]) -> f64 {
-    cell.z.iter().zip(scale).map(|(x, s)| (x.width() / s).max(THINNEST)).product()
-}
-
-/// Volume of the hull over the volume of the two boxes; small means little is added.
-fn overestimation(
-    cells: &[Cell],
-    volumes: &[f64],
-    i: usize,
-    j: usize,
-    across_modes: bool,
-    scale: &[f64],
-) -> Option<f64> {
-    if i == j || (!across_modes && cells[i].modes != cells[j].modes) {
-        return None;
-    }
-    let pairs = cells[i].z.iter().zip(&cells[j].z).zip(scale);
-    let hull: f64 = pairs.map(|((a, b), s)| (a.hull(*b).width() / s).max(THINNEST)).product();
-    Some(hull / (volumes[i] + volumes[j]))
-}
-
 /// The box that is cheapest to join with box `i`.
 fn partner(
     cells: &[Cell],
-    volumes: &[f64],
+    shapes: &Shapes,
     i: usize,
     across_modes: bool,
-    scale: &[f64],
 ) -> Option<(usize, f64)> {
-    (0..cells.len())
-        .filter_map(|j| {
-            overestimation(cells, volumes, i, j, across_modes, scale).map(|cost| (j, cost))
-        })
-        .min_by(|a, b| a.1.total_cmp(&b.1))
+    let mut best: Option<(usize, f64)> = None;
+    for j in 0..cells.len() {
+        if i == j || !(across_modes || cells[i].modes == cells[j].modes) {
+            continue;
+        }
+        let cost = shapes.overestimation(i, j);
+        if best.is_none_or(|(_, known)| cost < known) {
+            best = Some((j, cost));
+        }
+    }
+    best
 }
 
 #[cfg(test)]

@@ -40,6 +40,8 @@ pub struct Observer {
     /// Per reset: signal, parameter, how long the signal must have lasted.
     resets: Vec<(usize, usize, Decimal)>,
     cells: Vec<Cell>,
+    spare: Vec<Cell>,
+    moved: Vec<Cell>,
     scale: Vec<f64>,
     held: Option<(Decimal, Vec<Interval>)>,
     samples: u64,
@@ -100,6 +102,8 @@ impl Observer {
             splitter: Splitter::new(model),
             measurements: Measurements::new(model, layout),
             cells: vec![Cell { z: prior.clone(), modes: ModeSet::EMPTY }],
+            spare: Vec::new(),
+            moved: Vec::new(),
             scale: vec![1.0; prior.len()],
             prior,
             resets,
@@ -170,12 +174,10 @@ impl Observer {
         if let Some((time, inputs)) = self.held.take() {
             let dt = (&sample.time - &time).to_interval();
             let turn = position.is_multiple_of(self.options.every as u64);
-            let restore = self.cells.clone();
             if turn {
                 self.bisect(&inputs);
             }
             if let Err((reason, cell)) = self.integrate(&inputs, dt) {
-                self.cells = restore;
                 self.finished = true;
                 return Ok(Verdict::Undecided(Undecided {
                     sample: position,
@@ -228,11 +230,18 @@ impl Observer {
         }
     }
 
-    /// Step 2: bisections until the list is `M - 1` longer, the box of largest volume first.
+    /// Step 2: bisections until the list is `M` longer, the box of largest volume first.
     fn bisect(&mut self, inputs: &[Interval]) {
         self.update_scale();
+        let mut volumes: Vec<f64> =
+            self.cells.iter().map(|cell| self.splitter.volume(cell, &self.scale)).collect();
         for _ in 0..self.options.bisections {
-            let Some(position) = self.splitter.candidate(&self.cells, &self.scale) else {
+            let largest = volumes
+                .iter()
+                .enumerate()
+                .max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(&a.0)))
+                .filter(|(_, volume)| **volume > 0.0);
+            let Some((position, _)) = largest else {
                 return;
             };
             let parts = self.splitter.split(&self.cells[position], inputs, &self.options);
@@ -240,7 +249,11 @@ impl Observer {
                 return;
             }
             self.cells.swap_remove(position);
-            self.cells.extend(parts);
+            volumes.swap_remove(position);
+            for part in parts {
+                volumes.push(self.splitter.volume(&part, &self.scale));
+                self.cells.push(part);
+            }
         }
     }
 
@@ -252,34 +265,47 @@ impl Observer {
     ) -> Result<(), (StepFailure, Vec<Interval>)> {
         let states = self.system.layout().states;
         let mut rescues = RESCUES;
-        let mut open = std::mem::take(&mut self.cells);
-        open.reverse();
-        while let Some(mut cell) = open.pop() {
+        let mut moved: Vec<Cell> = std::mem::take(&mut self.moved);
+        let mut halves: Vec<Cell> = Vec::new();
+        let mut next = 0;
+        while next < self.cells.len() || !halves.is_empty() {
+            let mut cell = match halves.pop() {
+                Some(cell) => cell,
+                None => {
+                    let from = &self.cells[next];
+                    next += 1;
+                    // Boxes of earlier samples lend their memory.
+                    let mut cell = self.spare.pop().unwrap_or_else(|| from.clone());
+                    cell.z.clone_from(&from.z);
+                    cell
+                }
+            };
             self.box_steps += 1;
             let (x, p) = cell.z.split_at_mut(states);
             match self.system.step(x, p, inputs, dt, &mut self.workspace) {
-                Ok(report) => {
-                    cell.modes = report.modes;
-                    self.cells.push(cell);
-                }
+                Ok(_) => moved.push(cell),
                 Err(reason) => {
                     // A smaller box may do: halve the coordinate with the largest share left.
-                    let halves = self.widest(&cell).and_then(|coordinate| {
+                    let parts = self.widest(&cell).and_then(|coordinate| {
                         let x = cell.z[coordinate];
-                        cut(x, x.mid()).map(|halves| (coordinate, halves))
+                        cut(x, x.mid()).map(|parts| (coordinate, parts))
                     });
-                    let Some((coordinate, (below, above))) = halves.filter(|_| rescues > 0) else {
+                    let Some((coordinate, (below, above))) = parts.filter(|_| rescues > 0) else {
                         return Err((reason, cell.z));
                     };
                     rescues -= 1;
                     for half in [above, below] {
                         let mut part = cell.clone();
                         part.z[coordinate] = half;
-                        open.push(part);
+                        halves.push(part);
                     }
                 }
             }
         }
+        std::mem::swap(&mut self.cells, &mut moved);
+        self.spare.append(&mut moved);
+        self.spare.truncate(self.cells.len());
+        self.moved = moved;
         Ok(())
     }
 

@@ -130,31 +130,18 @@ impl Splitter {
         }
     }
 
-    /// The box to split next: the one of largest volume, if any has one.
-    ///
-    /// The volume is over the parameters (those with a prior) and the switching states, each as a
-    /// share of `scale`: at a standstill it is zero, and splitting would teach nothing.
-    pub(crate) fn candidate(&self, cells: &[Cell], scale: &[f64]) -> Option<usize> {
-        let volume = |cell: &Cell| {
-            let mut product = 1.0;
-            for (index, width) in self.prior_width.iter().enumerate() {
-                if *width > 0.0 {
-                    let coordinate = self.layout.states + index;
-                    product *= cell.z[coordinate].width() / scale[coordinate];
-                }
-            }
-            for known in &self.switching {
-                product *= cell.z[known.state].width() / scale[known.state];
-            }
-            product
+    /// What splitting this box could teach, for choosing the box to split: its volume over the
+    /// parameters (those with a prior) and the switching states, each as a share of `scale`. At a
+    /// standstill it is zero, and splitting would teach nothing.
+    pub(crate) fn volume(&self, cell: &Cell, scale: &[f64]) -> f64 {
+        // It only ranks boxes, so plain floating point will do.
+        let share = |coordinate: usize| {
+            let x = cell.z[coordinate];
+            (x.hi() - x.lo()) / scale[coordinate]
         };
-        cells
-            .iter()
-            .enumerate()
-            .map(|(position, cell)| (volume(cell), position))
-            .filter(|(volume, _)| *volume > 0.0)
-            .max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))
-            .map(|(_, position)| position)
+        let params = self.prior_width.iter().enumerate().filter(|(_, width)| **width > 0.0);
+        let params: f64 = params.map(|(param, _)| share(self.layout.states + param)).product();
+        params * self.switching.iter().map(|known| share(known.state)).product::<f64>()
     }
 
     /// The parts of `cell`; one part when no split is possible.

@@ -78,7 +78,7 @@ struct Bound {
     series: bool,
     rhs: usize,
     cell: usize,
-    /// Per quantity of the series tape.
+    /// Per quantity of the series tape; used for the states.
     sources: Vec<Source>,
     /// What unknown monotonicity adds to the velocity.
     slack: Interval,
@@ -241,9 +241,12 @@ impl Face<'_> {
         } else {
             (1_u128 << tapes.others.len()) - 1
         };
+        let mut current = false;
         for _ in 0..SIGN_ROUNDS {
             let registers = &mut self.registers.gradient[self.state][rhs];
-            tapes.gradient.eval(self.clipped, registers);
+            if !current {
+                tapes.gradient.eval(self.clipped, registers);
+            }
             let mut narrowed = false;
             for (position, &quantity) in tapes.others.iter().enumerate().take(128) {
                 if open & (1 << position) == 0 {
@@ -272,13 +275,20 @@ impl Face<'_> {
                     }
                 }
             }
-            if !narrowed {
+            // Constant slopes, or slopes on an unchanged box, need no second look.
+            current = !narrowed || tapes.linear;
+            if open == 0 || current {
                 break;
             }
         }
-        let registers = &mut self.registers.gradient[self.state][rhs];
-        tapes.gradient.eval(self.clipped, registers);
         let mut slack = Interval::ZERO;
+        if open == 0 {
+            return slack;
+        }
+        let registers = &mut self.registers.gradient[self.state][rhs];
+        if !current {
+            tapes.gradient.eval(self.clipped, registers);
+        }
         for (position, &quantity) in tapes.others.iter().enumerate() {
             if (position < 128 && open & (1 << position) == 0) || !moving(quantity) {
                 continue;
@@ -396,10 +406,14 @@ impl Face<'_> {
         sources.resize(tapes.series_quantities.len(), Source::Constant(Interval::ZERO));
         record(tapes, &mut sources, self.state, Source::Bound { state: self.state, side: self.side });
         let slack = self.fix_corners(rhs, Some(&mut sources));
+        let scratch = &mut self.registers.series[self.state][rhs][self.side.index()];
         for (position, &quantity) in tapes.series_quantities.iter().enumerate() {
             if quantity >= self.system.layout.states {
-                sources[position] = Source::Constant(self.clipped[quantity]);
+                tapes.series.set_quantity(position, 0, self.clipped[quantity], scratch);
             }
+        }
+        if tapes.series.compute_constants(scratch) != Regularity::Smooth {
+            return false;
         }
         bound.sources = sources;
         bound.slack = slack;
@@ -645,8 +659,9 @@ impl System {
         let bound = &faces.bounds[state][side.index()];
         let tapes = &self.right_hand_sides[state][bound.rhs];
         let scratch = &mut registers.series[state][bound.rhs][side.index()];
-        for (position, source) in bound.sources.iter().enumerate() {
-            tapes.series.set_quantity(position, 0, faces.source(*source, 0, true), scratch);
+        for &position in &tapes.moving_positions {
+            let value = faces.source(bound.sources[position], 0, true);
+            tapes.series.set_quantity(position, 0, value, scratch);
         }
         if tapes.series.compute(0, scratch) != Regularity::Smooth {
             return None;
@@ -700,13 +715,13 @@ impl System {
                     }
                     let tapes = &self.right_hand_sides[state][bound.rhs];
                     let scratch = &mut registers.series[state][bound.rhs][side.index()];
-                    for (position, source) in bound.sources.iter().enumerate() {
-                        let value = faces.source(*source, k, ranges);
+                    for &position in &tapes.moving_positions {
+                        let value = faces.source(bound.sources[position], k, ranges);
                         tapes.series.set_quantity(position, k, value, scratch);
                     }
                     let regularity = tapes.series.compute(k, scratch);
-                    let slack = if k == 0 { bound.slack } else { Interval::ZERO };
-                    let value = (tapes.series.output(0, k, scratch) + slack) / divisor;
+                    let value = tapes.series.output(0, k, scratch);
+                    let value = if k == 0 { value + bound.slack } else { value / divisor };
                     // The ranges were accepted with a smooth right-hand side on them; were it
                     // otherwise, the unbounded coefficient says so and loses nothing.
                     let smooth = regularity == Regularity::Smooth;

@@ -36,11 +36,9 @@ pub enum StepFailure {
     Unbounded,
 }
 
-/// What is proved about one step besides the box at its end.
+/// What is proved about one step besides the box at its end and the tube.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StepReport {
-    /// Modes whose guard, as written, holds somewhere on the box at the end.
-    pub modes: ModeSet,
     /// Modes that may have been active at some time of the step, touching guards included.
     pub modes_during: ModeSet,
 }
@@ -130,8 +128,7 @@ impl System {
             }
         }
         states.copy_from_slice(&w.q[..n]);
-        let modes = self.modes_on(&w.q, &mut w.registers);
-        Ok(StepReport { modes, modes_during })
+        Ok(StepReport { modes_during })
     }
 
     /// One step without division; on success the states in `w.q` are moved.

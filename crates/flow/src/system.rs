@@ -18,11 +18,15 @@ pub(crate) struct RightHandSide {
     pub(crate) value: Tape,
     /// Partial derivatives with respect to `others`, in that order.
     pub(crate) gradient: Tape,
+    /// All partial derivatives are constants.
+    pub(crate) linear: bool,
     /// The quantities it depends on, without the state it is the derivative of.
     pub(crate) others: Vec<usize>,
     pub(crate) series: SeriesTape,
     /// Quantities of `series`, by position.
     pub(crate) series_quantities: Vec<usize>,
+    /// Positions of the states among them.
+    pub(crate) moving_positions: Vec<usize>,
 }
 
 /// A model compiled for integration.
@@ -132,11 +136,19 @@ impl RightHandSide {
         let partials: Vec<ExprId> =
             variables.iter().map(|var| graph.derivative(expr, *var)).collect();
         let series = SeriesTape::compile(graph, layout, &[expr]);
+        let linear = partials.iter().all(|partial| graph.as_constant(*partial).is_some());
         RightHandSide {
+            linear,
             expr,
             value: Tape::compile(graph, layout, &[expr]),
             gradient: Tape::compile(graph, layout, &partials),
             others: variables.iter().map(|var| layout.index(*var)).collect(),
+            moving_positions: series
+                .quantities()
+                .enumerate()
+                .filter(|(_, quantity)| *quantity < layout.states)
+                .map(|(position, _)| position)
+                .collect(),
             series_quantities: series.quantities().collect(),
             series,
         }

@@ -51,7 +51,7 @@ impl Coefficients {
         for j in 1..=to {
             sum = sum + Interval::point(j as f64) * self.at(a, j) * self.at(b, k - j);
         }
-        sum / Interval::point(k as f64)
+        if k == 1 { sum } else { sum / Interval::point(k as f64) }
     }
 }
 
@@ -94,18 +94,25 @@ impl SeriesTape {
         coefficients.at(self.tape.outputs[index], order)
     }
 
-    /// Computes coefficient `k` of every instruction from the coefficients up to `k` of the
+    /// Computes everything that depends on parameters and inputs alone; call it after setting
+    /// those, before [`SeriesTape::compute`].
+    pub fn compute_constants(&self, coefficients: &mut Coefficients) -> Regularity {
+        let mut regularity = Regularity::Smooth;
+        for step in self.tape.instructions.iter().filter(|step| !step.moving) {
+            regularity = regularity.min(step.compute(0, coefficients));
+        }
+        regularity
+    }
+
+    /// Computes coefficient `k` of everything that moves, from the coefficients up to `k` of the
     /// quantities and below `k` of everything else.
     ///
     /// Guarantee: with coefficient 0 of the quantities enclosing their values and the others
     /// enclosing their true coefficients, the results enclose the true coefficients, provided the
-    /// return value is `Smooth`; otherwise the results mean nothing.
+    /// return value is `Smooth` (as it was for the constants); otherwise the results mean nothing.
     pub fn compute(&self, k: usize, coefficients: &mut Coefficients) -> Regularity {
         let mut regularity = Regularity::Smooth;
-        for step in &self.tape.instructions {
-            if k > 0 && !step.moving {
-                continue;
-            }
+        for step in self.tape.instructions.iter().filter(|step| step.moving) {
             regularity = regularity.min(step.compute(k, coefficients));
         }
         regularity
@@ -119,7 +126,17 @@ impl Instruction {
             Op::Square | Op::Power(_) => square(c, a, k),
             Op::Binary(Binary::Add) => c.at(a, k) + c.at(b, k),
             Op::Binary(Binary::Sub) => c.at(a, k) - c.at(b, k),
+            // A constant factor has one coefficient only.
+            Op::Binary(Binary::Mul) if !self.moving_operands.0 => c.at(a, 0) * c.at(b, k),
+            Op::Binary(Binary::Mul) if !self.moving_operands.1 => c.at(a, k) * c.at(b, 0),
             Op::Binary(Binary::Mul) => c.convolve(a, b, k, 0, k),
+            Op::Binary(Binary::Div) if !self.moving_operands.1 => {
+                let divisor = c.at(b, 0);
+                if divisor.contains(0.0) {
+                    return Regularity::Undefined;
+                }
+                c.at(a, k) / divisor
+            }
             Op::Binary(Binary::Div) => {
                 let divisor = c.at(b, 0);
                 if divisor.contains(0.0) {

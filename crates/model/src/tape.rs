@@ -78,6 +78,8 @@ pub(crate) struct Instruction {
     pub(crate) companion: u32,
     /// Depends on a state, hence changes in time.
     pub(crate) moving: bool,
+    /// The same for each operand.
+    pub(crate) moving_operands: (bool, bool),
 }
 
 /// Instructions that evaluate some expressions on intervals.
@@ -112,7 +114,9 @@ impl Compiler<'_> {
     }
 
     fn emit(&mut self, op: Op, a: u32, b: u32) -> u32 {
-        let moving = self.moving[a as usize] || (b != NO_REGISTER && self.moving[b as usize]);
+        let moving_operands =
+            (self.moving[a as usize], b != NO_REGISTER && self.moving[b as usize]);
+        let moving = moving_operands.0 || moving_operands.1;
         let out = self.register(moving);
         let needs_companion = matches!(
             op,
@@ -120,7 +124,15 @@ impl Compiler<'_> {
         );
         let companion =
             if self.series && needs_companion { self.register(moving) } else { NO_REGISTER };
-        self.tape.instructions.push(Instruction { op, a, b, out, companion, moving });
+        self.tape.instructions.push(Instruction {
+            op,
+            a,
+            b,
+            out,
+            companion,
+            moving,
+            moving_operands,
+        });
         out
     }
 
@@ -313,7 +325,7 @@ impl Tape {
                 }
                 Op::Unary(function) => unary_reverse(function, out, a),
                 Op::Square => Interval::sqr_rev(out, a),
-                Op::Power(n) => Interval::powi_rev(out, a, n),
+                Op::Power(n) => Interval::powi_rev(n, out, a),
             };
             if a.is_empty() {
                 return false;
