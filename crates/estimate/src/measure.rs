@@ -7,8 +7,8 @@
 
 use crate::cell::Cell;
 use crate::verdict::Contradiction;
-use veribound_interval::{Decimal, Interval};
 use veribound_interval::round::sub_down;
+use veribound_interval::{Decimal, Interval};
 use veribound_model::{ExprId, Layout, Model, Sample, Tape};
 
 /// Passes over all conditions per sample; later ones can narrow what earlier ones see.
@@ -56,7 +56,11 @@ pub(crate) struct Measurements {
 
 impl Measurements {
     pub(crate) fn new(model: &Model, layout: Layout) -> Measurements {
-        let outputs = model.outputs.iter().map(|o| Condition::new(model, layout, o.expr)).collect();
+        let outputs = model
+            .outputs
+            .iter()
+            .map(|o| Condition::new(model, layout, o.expr))
+            .collect();
         let witnesses = model
             .signals
             .iter()
@@ -70,7 +74,12 @@ impl Measurements {
                 true_since: None,
             })
             .collect();
-        Measurements { layout, outputs, witnesses, q: Vec::new() }
+        Measurements {
+            layout,
+            outputs,
+            witnesses,
+            q: Vec::new(),
+        }
     }
 
     /// True when the sample has the model's outputs and signals.
@@ -91,13 +100,19 @@ impl Measurements {
 
     /// How long each signal has been true at `now`; `None` for a signal that is not.
     pub(crate) fn true_for(&self, signal: usize, now: &Decimal) -> Option<Decimal> {
-        self.witnesses[signal].true_since.as_ref().map(|since| now - since)
+        self.witnesses[signal]
+            .true_since
+            .as_ref()
+            .map(|since| now - since)
     }
 
     /// Values of the outputs on a box.
     pub(crate) fn outputs(&mut self, cell: &Cell, inputs: &[Interval]) -> Vec<Interval> {
         self.set(cell, inputs);
-        self.outputs.iter_mut().map(|output| output.value(&self.q)).collect()
+        self.outputs
+            .iter_mut()
+            .map(|output| output.value(&self.q))
+            .collect()
     }
 
     fn set(&mut self, cell: &Cell, inputs: &[Interval]) {
@@ -134,7 +149,12 @@ impl Measurements {
                 let enclosure = condition.value(&self.q);
                 if !condition.contract(&mut self.q, measured) {
                     let gap = distance(enclosure, measured);
-                    return Err(Contradiction::Output { output, enclosure, measured, gap });
+                    return Err(Contradiction::Output {
+                        output,
+                        enclosure,
+                        measured,
+                        gap,
+                    });
                 }
             }
         }
@@ -149,5 +169,7 @@ fn distance(a: Interval, b: Interval) -> f64 {
     if a.is_empty() || b.is_empty() {
         return 0.0;
     }
-    sub_down(a.lo(), b.hi()).max(sub_down(b.lo(), a.hi())).max(0.0)
+    sub_down(a.lo(), b.hi())
+        .max(sub_down(b.lo(), a.hi()))
+        .max(0.0)
 }

@@ -21,8 +21,12 @@ struct Shapes {
 
 impl Shapes {
     fn new(cells: &[Cell], scale: &[f64]) -> Shapes {
-        let mut shapes =
-            Shapes { dimension: scale.len(), lo: Vec::new(), hi: Vec::new(), volumes: Vec::new() };
+        let mut shapes = Shapes {
+            dimension: scale.len(),
+            lo: Vec::new(),
+            hi: Vec::new(),
+            volumes: Vec::new(),
+        };
         for cell in cells {
             for (x, s) in cell.z.iter().zip(scale) {
                 shapes.lo.push(x.lo() / s);
@@ -84,8 +88,9 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
         return;
     }
     let mut shapes = Shapes::new(cells, scale);
-    let mut best: Vec<Option<(usize, f64)>> =
-        (0..cells.len()).map(|i| partner(cells, &shapes, i, across_modes)).collect();
+    let mut best: Vec<Option<(usize, f64)>> = (0..cells.len())
+        .map(|i| partner(cells, &shapes, i, across_modes))
+        .collect();
     while cells.len() > target {
         let cheapest = best
             .iter()
@@ -124,12 +129,7 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
 }
 
 /// The box that is cheapest to join with box `i`.
-fn partner(
-    cells: &[Cell],
-    shapes: &Shapes,
-    i: usize,
-    across_modes: bool,
-) -> Option<(usize, f64)> {
+fn partner(cells: &[Cell], shapes: &Shapes, i: usize, across_modes: bool) -> Option<(usize, f64)> {
     let mut best: Option<(usize, f64)> = None;
     for j in 0..cells.len() {
         if i == j || !(across_modes || cells[i].modes == cells[j].modes) {
@@ -153,7 +153,10 @@ mod tests {
         let mut modes = ModeSet::EMPTY;
         modes.insert(mode);
         let interval = |(lo, hi)| Interval::new(lo, hi).unwrap();
-        Cell { z: vec![interval(x), interval(y)], modes }
+        Cell {
+            z: vec![interval(x), interval(y)],
+            modes,
+        }
     }
 
     #[test]
@@ -171,7 +174,12 @@ mod tests {
 
     #[test]
     fn different_modes_stay_apart_unless_asked() {
-        let list = || vec![cell((0.0, 1.0), (0.0, 1.0), 0), cell((0.5, 1.5), (0.0, 1.0), 1)];
+        let list = || {
+            vec![
+                cell((0.0, 1.0), (0.0, 1.0), 0),
+                cell((0.5, 1.5), (0.0, 1.0), 1),
+            ]
+        };
         let mut cells = list();
         merge(&mut cells, 1, false, &[1.0, 1.0]);
         assert_eq!(cells.len(), 2);

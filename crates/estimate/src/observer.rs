@@ -64,7 +64,9 @@ pub enum Misuse {
 impl std::fmt::Display for Misuse {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
-            Misuse::Shape => "the sample does not have the inputs, outputs and signals of the model",
+            Misuse::Shape => {
+                "the sample does not have the inputs, outputs and signals of the model"
+            }
             Misuse::Time => "the sample is not later than the one before",
             Misuse::Finished => "the observer has already given its final verdict",
         })
@@ -94,14 +96,19 @@ impl Observer {
             .iter()
             .enumerate()
             .flat_map(|(signal, s)| {
-                s.resets.iter().map(move |reset| (signal, reset.param, reset.lasts.clone()))
+                s.resets
+                    .iter()
+                    .map(move |reset| (signal, reset.param, reset.lasts.clone()))
             })
             .collect();
         Observer {
             workspace: Workspace::new(&system, options.step),
             splitter: Splitter::new(model),
             measurements: Measurements::new(model, layout),
-            cells: vec![Cell { z: prior.clone(), modes: ModeSet::EMPTY }],
+            cells: vec![Cell {
+                z: prior.clone(),
+                modes: ModeSet::EMPTY,
+            }],
             spare: Vec::new(),
             moved: Vec::new(),
             scale: vec![1.0; prior.len()],
@@ -138,7 +145,10 @@ impl Observer {
                 }
             }
             if z.iter().all(|x| !x.is_empty()) {
-                cells.push(Cell { z, modes: ModeSet::EMPTY });
+                cells.push(Cell {
+                    z,
+                    modes: ModeSet::EMPTY,
+                });
             }
         }
         if cells.is_empty() {
@@ -213,7 +223,11 @@ impl Observer {
             );
         }
         self.held = Some((sample.time.clone(), sample.inputs.clone()));
-        Ok(Verdict::Consistent(self.estimate(sample, resets, self.box_steps - before)))
+        Ok(Verdict::Consistent(self.estimate(
+            sample,
+            resets,
+            self.box_steps - before,
+        )))
     }
 
     fn check(&self, sample: &Sample) -> Result<(), Misuse> {
@@ -233,8 +247,11 @@ impl Observer {
     /// Step 2: bisections until the list is `M` longer, the box of largest volume first.
     fn bisect(&mut self, inputs: &[Interval]) {
         self.update_scale();
-        let mut volumes: Vec<f64> =
-            self.cells.iter().map(|cell| self.splitter.volume(cell, &self.scale)).collect();
+        let mut volumes: Vec<f64> = self
+            .cells
+            .iter()
+            .map(|cell| self.splitter.volume(cell, &self.scale))
+            .collect();
         for _ in 0..self.options.bisections {
             let largest = volumes
                 .iter()
@@ -244,7 +261,9 @@ impl Observer {
             let Some((position, _)) = largest else {
                 return;
             };
-            let parts = self.splitter.split(&self.cells[position], inputs, &self.options);
+            let parts = self
+                .splitter
+                .split(&self.cells[position], inputs, &self.options);
             if parts.len() < 2 {
                 return;
             }
@@ -326,7 +345,10 @@ impl Observer {
             match self.measurements.narrow(&mut cell, sample) {
                 Ok(()) => self.cells.push(cell),
                 Err(found) => {
-                    if nearest.as_ref().is_none_or(|known| found.is_nearer_than(known)) {
+                    if nearest
+                        .as_ref()
+                        .is_none_or(|known| found.is_nearer_than(known))
+                    {
                         nearest = Some(found);
                     }
                 }
@@ -395,7 +417,11 @@ impl Observer {
             } else {
                 self.prior[coordinate].width()
             };
-            self.scale[coordinate] = if width > 0.0 && width.is_finite() { width } else { 1.0 };
+            self.scale[coordinate] = if width > 0.0 && width.is_finite() {
+                width
+            } else {
+                1.0
+            };
         }
     }
 

@@ -68,14 +68,22 @@ impl Splitter {
                 let difference = Tape::compile(&graph, layout, &[expr]);
                 guards.push(ParameterGuard { difference, params });
             } else if let Some(level) = graph.level(expr) {
-                match switching.iter_mut().find(|known| known.state == level.state) {
+                match switching
+                    .iter_mut()
+                    .find(|known| known.state == level.state)
+                {
                     Some(known) => known.levels.push(level.value),
-                    None => switching
-                        .push(SwitchingState { state: level.state, levels: vec![level.value] }),
+                    None => switching.push(SwitchingState {
+                        state: level.state,
+                        levels: vec![level.value],
+                    }),
                 }
             }
         }
-        let guarded: Vec<usize> = guards.iter().flat_map(|guard| guard.params.clone()).collect();
+        let guarded: Vec<usize> = guards
+            .iter()
+            .flat_map(|guard| guard.params.clone())
+            .collect();
         let measured: Vec<usize> = model
             .outputs
             .iter()
@@ -89,7 +97,12 @@ impl Splitter {
             .collect();
         if switching.is_empty() {
             let hidden = (0..layout.states).filter(|state| !measured.contains(state));
-            switching = hidden.map(|state| SwitchingState { state, levels: Vec::new() }).collect();
+            switching = hidden
+                .map(|state| SwitchingState {
+                    state,
+                    levels: Vec::new(),
+                })
+                .collect();
         }
         let moved: Vec<usize> = if switching.is_empty() {
             (0..layout.states).collect()
@@ -108,8 +121,11 @@ impl Splitter {
                     .into_iter()
                     .filter_map(|expr| {
                         let mut params = params_of(&graph.variables(expr));
-                        let free: Vec<usize> =
-                            params.iter().copied().filter(|p| !guarded.contains(p)).collect();
+                        let free: Vec<usize> = params
+                            .iter()
+                            .copied()
+                            .filter(|p| !guarded.contains(p))
+                            .collect();
                         if !free.is_empty() {
                             params = free;
                         }
@@ -126,7 +142,11 @@ impl Splitter {
             measured,
             terms,
             registers: Vec::new(),
-            prior_width: model.params.iter().map(|param| param.bounds.width()).collect(),
+            prior_width: model
+                .params
+                .iter()
+                .map(|param| param.bounds.width())
+                .collect(),
         }
     }
 
@@ -139,9 +159,20 @@ impl Splitter {
             let x = cell.z[coordinate];
             (x.hi() - x.lo()) / scale[coordinate]
         };
-        let params = self.prior_width.iter().enumerate().filter(|(_, width)| **width > 0.0);
-        let params: f64 = params.map(|(param, _)| share(self.layout.states + param)).product();
-        params * self.switching.iter().map(|known| share(known.state)).product::<f64>()
+        let params = self
+            .prior_width
+            .iter()
+            .enumerate()
+            .filter(|(_, width)| **width > 0.0);
+        let params: f64 = params
+            .map(|(param, _)| share(self.layout.states + param))
+            .product();
+        params
+            * self
+                .switching
+                .iter()
+                .map(|known| share(known.state))
+                .product::<f64>()
     }
 
     /// The parts of `cell`; one part when no split is possible.
@@ -195,7 +226,10 @@ impl Splitter {
                         continue;
                     };
                     let mut part = q.to_vec();
-                    if !guard.difference.contract(&mut part, half, &mut self.registers) {
+                    if !guard
+                        .difference
+                        .contract(&mut part, half, &mut self.registers)
+                    {
                         continue;
                     }
                     // Beyond the part's upper end the comparison has one outcome only.
@@ -212,8 +246,11 @@ impl Splitter {
 
     /// A switching state that is wide compared with what is measured, and where to cut it.
     fn wide_state(&self, cell: &Cell, options: &ObserverOptions) -> Option<(usize, Vec<f64>)> {
-        let reference =
-            self.measured.iter().map(|state| cell.z[*state].width()).fold(0.0_f64, f64::max);
+        let reference = self
+            .measured
+            .iter()
+            .map(|state| cell.z[*state].width())
+            .fold(0.0_f64, f64::max);
         let (width, known) = self
             .switching
             .iter()
@@ -225,7 +262,10 @@ impl Splitter {
         let x = cell.z[known.state];
         if options.trisect && cell.modes.len() > 1 {
             let reach = 0.05 * width;
-            let inside = known.levels.iter().find(|level| x.lo() < level.lo() && level.hi() < x.hi());
+            let inside = known
+                .levels
+                .iter()
+                .find(|level| x.lo() < level.lo() && level.hi() < x.hi());
             if let Some(level) = inside {
                 return Some((known.state, vec![level.lo() - reach, level.hi() + reach]));
             }
@@ -242,7 +282,11 @@ impl Splitter {
                 let value = term.value.output(0, &self.registers);
                 let share = |param: &usize| {
                     let width = q[self.layout.states + param].width();
-                    if width > 0.0 { width / self.prior_width[*param] } else { 0.0 }
+                    if width > 0.0 {
+                        width / self.prior_width[*param]
+                    } else {
+                        0.0
+                    }
                 };
                 let widest = term
                     .params
@@ -262,15 +306,25 @@ impl Splitter {
                 .map(|(param, _)| *param),
             ParameterRule::OverlappingTerms => {
                 let (last, rest) = terms.split_last()?;
-                let overlap = rest.iter().any(|term| term.0 != last.0 && term.1.intersects(last.1));
-                Some(if overlap { last.0 } else { terms.first().unwrap_or(last).0 })
+                let overlap = rest
+                    .iter()
+                    .any(|term| term.0 != last.0 && term.1.intersects(last.1));
+                Some(if overlap {
+                    last.0
+                } else {
+                    terms.first().unwrap_or(last).0
+                })
             }
         }
         .or_else(|| {
             // No velocity depends on a free parameter here: the widest share of its prior.
             let share = |param: usize| {
                 let width = q[self.layout.states + param].width();
-                if width > 0.0 { width / self.prior_width[param] } else { 0.0 }
+                if width > 0.0 {
+                    width / self.prior_width[param]
+                } else {
+                    0.0
+                }
             };
             (0..self.layout.params)
                 .filter(|param| share(*param) > 0.0)
@@ -310,7 +364,13 @@ fn collect_atoms(guard: &Guard, atoms: &mut Vec<ExprId>) {
 fn params_of(variables: &[Var]) -> Vec<usize> {
     variables
         .iter()
-        .filter_map(|var| if let Var::Param(param) = var { Some(*param) } else { None })
+        .filter_map(|var| {
+            if let Var::Param(param) = var {
+                Some(*param)
+            } else {
+                None
+            }
+        })
         .collect()
 }
 

@@ -55,7 +55,10 @@ impl System {
         for mode in 0..self.mode_count() {
             clipped.clear();
             clipped.extend_from_slice(q);
-            if !self.guards.clip(mode, clipped, in_cell, &mut registers.guards) {
+            if !self
+                .guards
+                .clip(mode, clipped, in_cell, &mut registers.guards)
+            {
                 continue;
             }
             modes.insert(mode);
@@ -72,7 +75,11 @@ impl System {
                 velocity[state] = velocity[state].hull(value);
             }
         }
-        if modes.is_empty() { Err(AprioriFailure::NoMode) } else { Ok(modes) }
+        if modes.is_empty() {
+            Err(AprioriFailure::NoMode)
+        } else {
+            Ok(modes)
+        }
     }
 
     /// Finds a box that contains every solution from the states in `q` for all times in `[0, dt]`.
@@ -108,8 +115,7 @@ impl System {
                     break;
                 }
             }
-            let mapped =
-                |i: usize, velocity: &[Interval]| start[i] + span * velocity[i];
+            let mapped = |i: usize, velocity: &[Interval]| start[i] + span * velocity[i];
             if (0..n).all(|i| mapped(i, &result.velocity).is_interior_of(q[i])) {
                 outcome = Ok(());
                 break;

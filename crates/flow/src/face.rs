@@ -119,8 +119,10 @@ pub(crate) struct Faces {
 
 impl Faces {
     pub(crate) fn new(system: &System, order: usize) -> Faces {
-        let bound =
-            Bound { coefficients: vec![Interval::ZERO; order + 2], ..Bound::default() };
+        let bound = Bound {
+            coefficients: vec![Interval::ZERO; order + 2],
+            ..Bound::default()
+        };
         Faces {
             bounds: vec![[bound.clone(), bound]; system.layout.states],
             face: vec![Interval::ZERO; system.layout.len()],
@@ -233,9 +235,8 @@ impl Face<'_> {
     fn fix_corners(&mut self, rhs: usize, mut sources: Option<&mut Vec<Source>>) -> Interval {
         let layout = self.system.layout;
         let tapes = &self.system.right_hand_sides[self.state][rhs];
-        let moving = |quantity: usize| {
-            quantity < layout.states || quantity >= layout.states + layout.params
-        };
+        let moving =
+            |quantity: usize| quantity < layout.states || quantity >= layout.states + layout.params;
         let mut open: u128 = if tapes.others.len() >= 128 {
             u128::MAX
         } else {
@@ -266,7 +267,15 @@ impl Face<'_> {
                 let is_state = quantity < layout.states;
                 match (&mut sources, is_state) {
                     (Some(sources), true) => {
-                        record(tapes, sources, quantity, Source::Bound { state: quantity, side: towards });
+                        record(
+                            tapes,
+                            sources,
+                            quantity,
+                            Source::Bound {
+                                state: quantity,
+                                side: towards,
+                            },
+                        );
                     }
                     _ => {
                         let end = Interval::point(towards.end(self.clipped[quantity]));
@@ -295,7 +304,7 @@ impl Face<'_> {
             }
             let range = self.clipped[quantity];
             let centre = Interval::point(range.mid());
-            slack = slack + tapes.gradient.output(position, registers) * (range - centre);
+            slack += tapes.gradient.output(position, registers) * (range - centre);
             self.clipped[quantity] = centre;
             if let Some(sources) = &mut sources {
                 record(tapes, sources, quantity, Source::Constant(centre));
@@ -313,7 +322,11 @@ impl Face<'_> {
         let mut start = bound.origin;
         if cell % 2 == 1 {
             match self.at_zone(cell / 2) {
-                AtZone::Enter { cell: next, from, after } if after == 0.0 => {
+                AtZone::Enter {
+                    cell: next,
+                    from,
+                    after: 0.0,
+                } => {
                     cell = next;
                     start = from;
                 }
@@ -331,7 +344,11 @@ impl Face<'_> {
         // No solution passes the a-priori box, so a bound beyond it may be put there.
         bound.series = false;
         bound.end = self.side.inner(end, limit);
-        bound.range = range.intersect(self.side.other().between(limit, self.side.other().end(range)));
+        bound.range = range.intersect(
+            self.side
+                .other()
+                .between(limit, self.side.other().end(range)),
+        );
         if bound.range.is_empty() {
             bound.range = Interval::point(bound.end);
         }
@@ -347,17 +364,27 @@ impl Face<'_> {
             Side::Upper => (cell + 1, cell - 1),
             Side::Lower => (cell - 1, cell + 1),
         };
-        let beyond = self.side.between(edge, self.side.end(self.apriori.tube[self.state]));
+        let beyond = self
+            .side
+            .between(edge, self.side.end(self.apriori.tube[self.state]));
         let beyond = beyond.intersect(levels.range(outside));
         if let Some(rate) = self.rate(outside, beyond)
             && self.side.beyond(rate, 0.0)
         {
-            return AtZone::Enter { cell: outside, from: edge, after: 0.0 };
+            return AtZone::Enter {
+                cell: outside,
+                from: edge,
+                after: 0.0,
+            };
         }
         match self.rate(cell, range) {
             Some(rate) if self.side.other().beyond(rate, 0.0) => {
                 let width = Interval::point(edge) - Interval::point(far);
-                AtZone::Enter { cell: inside, from: far, after: latest(width, rate) }
+                AtZone::Enter {
+                    cell: inside,
+                    from: far,
+                    after: latest(width, rate),
+                }
             }
             _ => AtZone::Rest,
         }
@@ -403,13 +430,26 @@ impl Face<'_> {
         }
         let mut sources = std::mem::take(&mut bound.sources);
         sources.clear();
-        sources.resize(tapes.series_quantities.len(), Source::Constant(Interval::ZERO));
-        record(tapes, &mut sources, self.state, Source::Bound { state: self.state, side: self.side });
+        sources.resize(
+            tapes.series_quantities.len(),
+            Source::Constant(Interval::ZERO),
+        );
+        record(
+            tapes,
+            &mut sources,
+            self.state,
+            Source::Bound {
+                state: self.state,
+                side: self.side,
+            },
+        );
         let slack = self.fix_corners(rhs, Some(&mut sources));
         let scratch = &mut self.registers.series[self.state][rhs][self.side.index()];
         for (position, &quantity) in tapes.series_quantities.iter().enumerate() {
             if quantity >= self.system.layout.states {
-                tapes.series.set_quantity(position, 0, self.clipped[quantity], scratch);
+                tapes
+                    .series
+                    .set_quantity(position, 0, self.clipped[quantity], scratch);
             }
         }
         if tapes.series.compute_constants(scratch) != Regularity::Smooth {
@@ -443,7 +483,11 @@ impl Face<'_> {
                 range = range.hull(Interval::point(v));
                 match self.at_zone(cell / 2) {
                     AtZone::Rest => return (v, range),
-                    AtZone::Enter { cell: next, from, after } => {
+                    AtZone::Enter {
+                        cell: next,
+                        from,
+                        after,
+                    } => {
                         elapsed = round::add_up(elapsed, after);
                         if elapsed >= dt.lo() {
                             return (v, range);
@@ -472,7 +516,9 @@ impl Face<'_> {
             }
             // Inward: the rate must hold for every place the bound will sweep.
             let slowest = Interval::point(side.other().end(self.apriori.velocity[state]));
-            let sweep = side.other().end(Interval::point(v) + Interval::ZERO.hull(rest) * slowest);
+            let sweep = side
+                .other()
+                .end(Interval::point(v) + Interval::ZERO.hull(rest) * slowest);
             let swept = side.between(sweep, limit).intersect(region);
             let inward = self.rate(cell, swept).unwrap_or(0.0);
             if !side.other().beyond(inward, 0.0) {
@@ -582,12 +628,7 @@ impl System {
 
     /// Range of every comparison solution over the step, by Picard's iteration for all of them
     /// together; those for which it fails, or that reach a level, move with constant rates.
-    fn enclose_series_ranges(
-        &self,
-        step: &Step<'_>,
-        faces: &mut Faces,
-        registers: &mut Registers,
-    ) {
+    fn enclose_series_ranges(&self, step: &Step<'_>, faces: &mut Faces, registers: &mut Registers) {
         let span = Interval::ZERO.hull(step.dt);
         for round in 0..SERIES_ROUNDS {
             let mut settled = true;
@@ -675,7 +716,12 @@ impl System {
     fn expand_series(&self, dt: Interval, faces: &mut Faces, registers: &mut Registers) {
         let order = faces.order;
         self.coefficients(true, order + 1, faces, registers);
-        for bound in faces.bounds.iter_mut().flatten().filter(|bound| bound.series) {
+        for bound in faces
+            .bounds
+            .iter_mut()
+            .flatten()
+            .filter(|bound| bound.series)
+        {
             bound.remainder = bound.coefficients[order + 1];
         }
         self.coefficients(false, order, faces, registers);
@@ -702,8 +748,17 @@ impl System {
         faces: &mut Faces,
         registers: &mut Registers,
     ) {
-        for bound in faces.bounds.iter_mut().flatten().filter(|bound| bound.series) {
-            bound.coefficients[0] = if ranges { bound.range } else { Interval::point(bound.start) };
+        for bound in faces
+            .bounds
+            .iter_mut()
+            .flatten()
+            .filter(|bound| bound.series)
+        {
+            bound.coefficients[0] = if ranges {
+                bound.range
+            } else {
+                Interval::point(bound.start)
+            };
         }
         for k in 0..last {
             let divisor = Interval::point((k + 1) as f64);
@@ -721,7 +776,11 @@ impl System {
                     }
                     let regularity = tapes.series.compute(k, scratch);
                     let value = tapes.series.output(0, k, scratch);
-                    let value = if k == 0 { value + bound.slack } else { value / divisor };
+                    let value = if k == 0 {
+                        value + bound.slack
+                    } else {
+                        value / divisor
+                    };
                     // The ranges were accepted with a smooth right-hand side on them; were it
                     // otherwise, the unbounded coefficient says so and loses nothing.
                     let smooth = regularity == Regularity::Smooth;

@@ -45,7 +45,11 @@ impl Levels {
             return self.zones[cell / 2];
         }
         let k = cell / 2;
-        let lo = if k == 0 { f64::NEG_INFINITY } else { self.zones[k - 1].hi() };
+        let lo = if k == 0 {
+            f64::NEG_INFINITY
+        } else {
+            self.zones[k - 1].hi()
+        };
         let hi = self.zones.get(k).map_or(f64::INFINITY, |zone| zone.lo());
         Interval::new(lo, hi).unwrap_or(Interval::ENTIRE)
     }
@@ -94,7 +98,11 @@ impl Builder<'_> {
     /// `expr relation 0` as a comparison of one state with a constant.
     fn level(&mut self, expr: ExprId, relation: Relation) -> Option<(usize, Interval, Relation)> {
         let level = self.graph.level(expr)?;
-        let relation = if level.rising { relation } else { mirrored(relation) };
+        let relation = if level.rising {
+            relation
+        } else {
+            mirrored(relation)
+        };
         Some((level.state, level.value, relation))
     }
 
@@ -123,18 +131,26 @@ impl Builder<'_> {
                 if let Some((state, level, relation)) = self.level(*expr, *relation) {
                     let zones = &self.levels[state].zones;
                     if let Some(zone) = zones.iter().position(|z| level.is_subset_of(*z)) {
-                        return Condition::Level { state, zone, relation };
+                        return Condition::Level {
+                            state,
+                            zone,
+                            relation,
+                        };
                     }
                 }
                 let tape = match self.known.iter().position(|e| e == expr) {
                     Some(tape) => tape,
                     None => {
                         self.known.push(*expr);
-                        self.tapes.push(Tape::compile(self.graph, self.layout, &[*expr]));
+                        self.tapes
+                            .push(Tape::compile(self.graph, self.layout, &[*expr]));
                         self.tapes.len() - 1
                     }
                 };
-                Condition::General { tape, relation: *relation }
+                Condition::General {
+                    tape,
+                    relation: *relation,
+                }
             }
         }
     }
@@ -214,7 +230,11 @@ impl Guards {
             builder.collect_levels(guard);
         }
         let conditions = guards.iter().map(|guard| builder.compile(guard)).collect();
-        Guards { conditions, levels: builder.levels, tapes: builder.tapes }
+        Guards {
+            conditions,
+            levels: builder.levels,
+            tapes: builder.tapes,
+        }
     }
 
     pub(crate) fn registers(&self) -> GuardRegisters {
@@ -246,9 +266,11 @@ impl Guards {
     fn strict(&self, condition: &Condition, q: &[Interval], r: &mut GuardRegisters) -> bool {
         match condition {
             Condition::Always => true,
-            Condition::Level { state, zone, relation } => {
-                strict(q[*state] - self.levels[*state].zones[*zone], *relation)
-            }
+            Condition::Level {
+                state,
+                zone,
+                relation,
+            } => strict(q[*state] - self.levels[*state].zones[*zone], *relation),
             Condition::General { tape, relation } => {
                 strict(self.difference(*tape, q, r), *relation)
             }
@@ -278,7 +300,11 @@ impl Guards {
     ) -> bool {
         match condition {
             Condition::Always => true,
-            Condition::Level { state, zone, relation } => {
+            Condition::Level {
+                state,
+                zone,
+                relation,
+            } => {
                 if let Some((known, cell)) = in_cell
                     && known == *state
                 {
@@ -316,9 +342,9 @@ impl Guards {
                     None => self.tapes[*tape].contract(q, region, tape_registers),
                 }
             }
-            Condition::All(parts) => {
-                parts.iter().all(|part| self.clip_condition(part, q, in_cell, registers))
-            }
+            Condition::All(parts) => parts
+                .iter()
+                .all(|part| self.clip_condition(part, q, in_cell, registers)),
             Condition::Any(parts) => {
                 // Hull of what each alternative leaves.
                 let mut whole = registers.spare.pop().unwrap_or_default();

@@ -20,7 +20,9 @@ impl ModeSet {
 
     /// True when `mode` is in the set.
     pub fn contains(self, mode: usize) -> bool {
-        self.0.get(mode / 64).is_some_and(|word| word & (1 << (mode % 64)) != 0)
+        self.0
+            .get(mode / 64)
+            .is_some_and(|word| word & (1 << (mode % 64)) != 0)
     }
 
     /// Modes in either set.

@@ -23,7 +23,11 @@ pub struct StepOptions {
 
 impl Default for StepOptions {
     fn default() -> Self {
-        StepOptions { order: 3, halvings: 8, longest: 0.05 }
+        StepOptions {
+            order: 3,
+            halvings: 8,
+            longest: 0.05,
+        }
     }
 }
 
@@ -34,6 +38,16 @@ pub enum StepFailure {
     Apriori(AprioriFailure),
     /// The box grew beyond what floating-point numbers hold.
     Unbounded,
+    /// This state may leave the domain in which the guards of the modes are proved to leave no gap.
+    LeavesDomain {
+        /// Index of the state.
+        state: usize,
+    },
+    /// This input lies outside the domain in which the guards are proved to leave no gap.
+    InputOutsideDomain {
+        /// Index of the input.
+        input: usize,
+    },
 }
 
 /// What is proved about one step besides the box at its end and the tube.
@@ -53,14 +67,17 @@ pub struct Workspace {
     registers: Registers,
     faces: Faces,
     end: Vec<Interval>,
+    part_tube: Vec<Interval>,
     tube: Vec<Interval>,
-    total_tube: Vec<Interval>,
 }
 
 impl Workspace {
     /// Scratch for steps of `system`.
     pub fn new(system: &System, options: StepOptions) -> Workspace {
-        let options = StepOptions { order: options.order.clamp(1, 12), ..options };
+        let options = StepOptions {
+            order: options.order.clamp(1, 12),
+            ..options
+        };
         Workspace {
             options,
             q: vec![Interval::ZERO; system.layout.len()],
@@ -69,14 +86,14 @@ impl Workspace {
             registers: system.registers(options.order + 1),
             faces: Faces::new(system, options.order),
             end: vec![Interval::ZERO; system.layout.states],
+            part_tube: vec![Interval::ZERO; system.layout.states],
             tube: vec![Interval::ZERO; system.layout.states],
-            total_tube: vec![Interval::ZERO; system.layout.states],
         }
     }
 
     /// After [`System::step`]: encloses the states at every time of the step.
     pub fn tube(&self) -> &[Interval] {
-        &self.total_tube
+        &self.tube
     }
 }
 
@@ -102,7 +119,7 @@ impl System {
         w.q[..n].copy_from_slice(states);
         w.q[n..n + self.layout.params].copy_from_slice(params);
         w.q[n + self.layout.params..].copy_from_slice(inputs);
-        w.total_tube.copy_from_slice(states);
+        w.tube.copy_from_slice(states);
         let least_parts = (dt.hi() / w.options.longest).ceil().clamp(1.0, 1e6) as u64;
         let mut parts = least_parts;
         let mut done = 0_u64;
@@ -115,7 +132,7 @@ impl System {
                 Ok(modes) => {
                     modes_during = modes_during.union(modes);
                     done += 1;
-                    for (all, now) in w.total_tube.iter_mut().zip(&w.tube) {
+                    for (all, now) in w.tube.iter_mut().zip(&w.part_tube) {
                         *all = all.hull(*now);
                     }
                 }
@@ -134,12 +151,41 @@ impl System {
     /// One step without division; on success the states in `w.q` are moved.
     fn single_step(&self, dt: Interval, w: &mut Workspace) -> Result<ModeSet, StepFailure> {
         let n = self.layout.states;
-        self.apriori(&mut w.q, dt, &mut w.apriori, &mut w.clipped, &mut w.registers)
-            .map_err(StepFailure::Apriori)?;
-        let step = Step { q: &w.q, dt, apriori: &w.apriori };
-        self.move_faces(&step, &mut w.faces, &mut w.registers, &mut w.end, &mut w.tube);
+        self.apriori(
+            &mut w.q,
+            dt,
+            &mut w.apriori,
+            &mut w.clipped,
+            &mut w.registers,
+        )
+        .map_err(StepFailure::Apriori)?;
+        let step = Step {
+            q: &w.q,
+            dt,
+            apriori: &w.apriori,
+        };
+        self.move_faces(
+            &step,
+            &mut w.faces,
+            &mut w.registers,
+            &mut w.end,
+            &mut w.part_tube,
+        );
         if w.end.iter().any(|x| x.is_empty() || !x.is_bounded()) {
             return Err(StepFailure::Unbounded);
+        }
+        if let Some(domain) = &self.domain {
+            let outside = |x: &[Interval], allowed: &[Interval]| {
+                x.iter()
+                    .zip(allowed)
+                    .position(|(x, allowed)| !x.is_subset_of(*allowed))
+            };
+            if let Some(state) = outside(&w.part_tube, &domain.states) {
+                return Err(StepFailure::LeavesDomain { state });
+            }
+            if let Some(input) = outside(&w.q[n + self.layout.params..], &domain.inputs) {
+                return Err(StepFailure::InputOutsideDomain { input });
+            }
         }
         w.q[..n].copy_from_slice(&w.end);
         Ok(w.apriori.modes)

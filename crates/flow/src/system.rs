@@ -8,7 +8,8 @@ use crate::guard::{GuardRegisters, Guards};
 use crate::modes::ModeSet;
 use veribound_interval::Interval;
 use veribound_model::{
-    Coefficients, ExprId, Graph, Guard, Layout, Model, Node, Relation, SeriesTape, Tape, Var,
+    Coefficients, Coverage, ExprId, Graph, Guard, Layout, Model, Node, Relation, SeriesTape, Tape,
+    Var,
 };
 
 /// One right-hand side of one state; modes with the same expression share it.
@@ -41,6 +42,16 @@ pub struct System {
     pub(crate) right_hand_sides: Vec<Vec<RightHandSide>>,
     /// `choice[m][i]` is the position in `right_hand_sides[i]` that mode `m` uses.
     pub(crate) choice: Vec<Vec<usize>>,
+    /// Where the guards are proved to leave no gap; `None` when that is everywhere, or unproved
+    /// (then the model's own text has to be trusted, and `check` says so).
+    pub(crate) domain: Option<Domain>,
+}
+
+/// Intervals that states and inputs must not leave.
+#[derive(Debug, Clone)]
+pub(crate) struct Domain {
+    pub(crate) states: Vec<Interval>,
+    pub(crate) inputs: Vec<Interval>,
 }
 
 /// Registers of all tapes of a [`System`].
@@ -80,8 +91,21 @@ impl System {
             }
         }
         let conditions: Vec<&Guard> = model.modes.iter().map(|mode| &mode.guard).collect();
+        let domain = match &model.coverage {
+            Coverage::InDomain { states, inputs } => Some(Domain {
+                states: states.clone(),
+                inputs: inputs.clone(),
+            }),
+            Coverage::Everywhere | Coverage::Unproved(_) => None,
+        };
         let guards = Guards::compile(&mut graph, layout, &conditions);
-        System { layout, guards, right_hand_sides, choice }
+        System {
+            layout,
+            guards,
+            right_hand_sides,
+            choice,
+            domain,
+        }
     }
 
     /// Where states, parameters and inputs stand in a flat list.
@@ -96,7 +120,10 @@ impl System {
 
     pub(crate) fn registers(&self, order: usize) -> Registers {
         let per_rhs = |make: &dyn Fn(&RightHandSide) -> Vec<Interval>| {
-            self.right_hand_sides.iter().map(|list| list.iter().map(make).collect()).collect()
+            self.right_hand_sides
+                .iter()
+                .map(|list| list.iter().map(make).collect())
+                .collect()
         };
         Registers {
             value: per_rhs(&|rhs| rhs.value.registers()),
@@ -106,7 +133,12 @@ impl System {
                 .iter()
                 .map(|list| {
                     list.iter()
-                        .map(|rhs| [rhs.series.coefficients(order), rhs.series.coefficients(order)])
+                        .map(|rhs| {
+                            [
+                                rhs.series.coefficients(order),
+                                rhs.series.coefficients(order),
+                            ]
+                        })
                         .collect()
                 })
                 .collect(),
@@ -133,10 +165,14 @@ impl RightHandSide {
             .into_iter()
             .filter(|var| *var != Var::State(state))
             .collect();
-        let partials: Vec<ExprId> =
-            variables.iter().map(|var| graph.derivative(expr, *var)).collect();
+        let partials: Vec<ExprId> = variables
+            .iter()
+            .map(|var| graph.derivative(expr, *var))
+            .collect();
         let series = SeriesTape::compile(graph, layout, &[expr]);
-        let linear = partials.iter().all(|partial| graph.as_constant(*partial).is_some());
+        let linear = partials
+            .iter()
+            .all(|partial| graph.as_constant(*partial).is_some());
         RightHandSide {
             linear,
             expr,
@@ -169,6 +205,10 @@ fn agree_on_guards(graph: &mut Graph, model: &Model, derivatives: &mut [Vec<Expr
         if equalities.is_empty() {
             continue;
         }
+        #[allow(
+            clippy::needless_range_loop,
+            reason = "two modes are indexed by the same state"
+        )]
         for state in 0..model.states.len() {
             let own = derivatives[mode][state];
             let own = put_levels(graph, own, &equalities);
@@ -185,7 +225,10 @@ fn agree_on_guards(graph: &mut Graph, model: &Model, derivatives: &mut [Vec<Expr
 
 fn put_levels(graph: &mut Graph, e: ExprId, equalities: &[(usize, ExprId)]) -> ExprId {
     graph.substitute(e, &|var| {
-        equalities.iter().find(|(state, _)| var == Var::State(*state)).map(|(_, level)| *level)
+        equalities
+            .iter()
+            .find(|(state, _)| var == Var::State(*state))
+            .map(|(_, level)| *level)
     })
 }
 
@@ -197,7 +240,10 @@ fn demanded_equalities(graph: &mut Graph, guard: &Guard, found: &mut Vec<(usize,
                 demanded_equalities(graph, part, found);
             }
         }
-        Guard::Atom { expr, relation: Relation::Equal } => {
+        Guard::Atom {
+            expr,
+            relation: Relation::Equal,
+        } => {
             let (state, level) = match *graph.node(*expr) {
                 Node::Var(Var::State(state)) => (state, graph.integer(0)),
                 Node::Binary(veribound_model::Binary::Sub, a, b) => {

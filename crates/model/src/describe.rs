@@ -34,7 +34,7 @@ impl Model {
                 "ok    one smooth mode, no switches".to_string()
             }
             Coverage::Everywhere => "ok    the guards leave no gap (proved)".to_string(),
-            Coverage::InDomain => {
+            Coverage::InDomain { .. } => {
                 "ok    the guards leave no gap in the domain (proved)".to_string()
             }
             Coverage::Unproved(place) => {

@@ -301,7 +301,7 @@ impl Graph {
             let quotient = x / y;
             return self.constant(quotient);
         }
-        if self.is_one(b) {
+        if self.is_one(b) || (self.is_zero(a) && !self.is_zero(b)) {
             return a;
         }
         if let Some(y) = self.as_constant(b)
@@ -412,7 +412,10 @@ impl Graph {
                 Node::Binary(_, a, b) => open.extend([a, b]),
             }
         }
-        (0..self.nodes.len() as u32).map(ExprId).filter(|e| needed[e.index()]).collect()
+        (0..self.nodes.len() as u32)
+            .map(ExprId)
+            .filter(|e| needed[e.index()])
+            .collect()
     }
 
     /// Every quantity `e` depends on, sorted.
@@ -435,11 +438,7 @@ impl Graph {
     }
 
     /// `e` with every quantity for which `replacement` gives an expression replaced by it.
-    pub fn substitute(
-        &mut self,
-        e: ExprId,
-        replacement: &dyn Fn(Var) -> Option<ExprId>,
-    ) -> ExprId {
+    pub fn substitute(&mut self, e: ExprId, replacement: &dyn Fn(Var) -> Option<ExprId>) -> ExprId {
         let mut done: HashMap<ExprId, ExprId> = HashMap::new();
         for old in self.reachable(&[e]) {
             let new = match *self.node(old) {
@@ -498,7 +497,13 @@ impl Graph {
         done[&e]
     }
 
-    fn unary_derivative(&mut self, function: Unary, a: ExprId, value: ExprId, da: ExprId) -> ExprId {
+    fn unary_derivative(
+        &mut self,
+        function: Unary,
+        a: ExprId,
+        value: ExprId,
+        da: ExprId,
+    ) -> ExprId {
         if self.is_zero(da) {
             return da;
         }
@@ -557,7 +562,11 @@ impl Graph {
                 let quotient = self.div(a, b);
                 let right = self.mul(quotient, db);
                 let numerator = self.sub(da, right);
-                if self.is_zero(numerator) { numerator } else { self.div(numerator, b) }
+                if self.is_zero(numerator) {
+                    numerator
+                } else {
+                    self.div(numerator, b)
+                }
             }
             Binary::Min | Binary::Max => {
                 // max(a,b) = (a + b + |a - b|)/2 and min with a minus sign, hence
@@ -590,7 +599,11 @@ impl Graph {
         let minus = self.neg(at_zero);
         let value = self.div(minus, slope);
         let value = self.eval_interval(value, &|_| Interval::ENTIRE);
-        value.is_bounded().then_some(Level { state, value, rising })
+        value.is_bounded().then_some(Level {
+            state,
+            value,
+            rising,
+        })
     }
 
     /// Every value of `e` when each quantity lies in its interval.
@@ -634,9 +647,10 @@ impl Graph {
             Node::Pi => ("pi".to_string(), 9),
             Node::Var(var) => (names.of(*var), 9),
             Node::Unary(Unary::Neg, a) => (format!("-{}", self.show_inside(*a, names, 2)), 2),
-            Node::Unary(function, a) => {
-                (format!("{}({})", function.name(), self.show_inside(*a, names, 0)), 9)
-            }
+            Node::Unary(function, a) => (
+                format!("{}({})", function.name(), self.show_inside(*a, names, 0)),
+                9,
+            ),
             Node::Power(a, n) => (format!("{}^{n}", self.show_inside(*a, names, 5)), 4),
             Node::Binary(function, a, b) => {
                 let (symbol, strength, right) = match function {
@@ -645,7 +659,11 @@ impl Graph {
                     Binary::Mul => ("*", 2, 2),
                     Binary::Div => ("/", 2, 3),
                     Binary::Min | Binary::Max => {
-                        let name = if *function == Binary::Min { "min" } else { "max" };
+                        let name = if *function == Binary::Min {
+                            "min"
+                        } else {
+                            "max"
+                        };
                         let a = self.show_inside(*a, names, 0);
                         let b = self.show_inside(*b, names, 0);
                         return format!("{name}({a}, {b})");
@@ -656,7 +674,11 @@ impl Graph {
                 (format!("{left}{symbol}{right}"), strength)
             }
         };
-        if strength < outer { format!("({text})") } else { text }
+        if strength < outer {
+            format!("({text})")
+        } else {
+            text
+        }
     }
 }
 
@@ -686,7 +708,9 @@ impl Names {
             Var::Param(i) => (&self.params, i),
             Var::Input(i) => (&self.inputs, i),
         };
-        list.get(index).cloned().unwrap_or_else(|| format!("{var:?}"))
+        list.get(index)
+            .cloned()
+            .unwrap_or_else(|| format!("{var:?}"))
     }
 }
 

@@ -14,8 +14,8 @@ mod units;
 pub use diagnostic::{Diagnostic, Diagnostics, SourceText};
 pub use graph::{Binary, ExprId, Graph, Level, Names, Node, Unary, Var};
 pub use model::{
-    Coverage, ErrorBound, Guard, Input, Mode, Model, Output, Param, Relation, Reset, Sample, Signal,
-    State,
+    Coverage, ErrorBound, Guard, Input, Mode, Model, Output, Param, Relation, Reset, Sample,
+    Signal, State,
 };
 pub use series::{Coefficients, SeriesTape};
 pub use tape::{Layout, Regularity, Tape};

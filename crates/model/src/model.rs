@@ -79,13 +79,18 @@ pub struct Param {
 }
 
 /// Whether every point of the domain lies in the guard of some mode.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Coverage {
     /// Proved for every value of states, inputs and parameters.
     Everywhere,
     /// Proved for every value inside the declared domains (`[-1000, 1000]` where a state or input
     /// declares none) and the prior.
-    InDomain,
+    InDomain {
+        /// One interval per state.
+        states: Vec<Interval>,
+        /// One interval per input.
+        inputs: Vec<Interval>,
+    },
     /// Neither proved nor refuted within the budget; the text says where.
     Unproved(String),
 }

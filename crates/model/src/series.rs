@@ -40,7 +40,7 @@ impl Coefficients {
     fn convolve(&self, a: u32, b: u32, k: usize, from: usize, to: usize) -> Interval {
         let mut sum = Interval::ZERO;
         for j in from..=to {
-            sum = sum + self.at(a, j) * self.at(b, k - j);
+            sum += self.at(a, j) * self.at(b, k - j);
         }
         sum
     }
@@ -49,16 +49,22 @@ impl Coefficients {
     fn integrate(&self, a: u32, b: u32, k: usize, to: usize) -> Interval {
         let mut sum = Interval::ZERO;
         for j in 1..=to {
-            sum = sum + Interval::point(j as f64) * self.at(a, j) * self.at(b, k - j);
+            sum += Interval::point(j as f64) * self.at(a, j) * self.at(b, k - j);
         }
-        if k == 1 { sum } else { sum / Interval::point(k as f64) }
+        if k == 1 {
+            sum
+        } else {
+            sum / Interval::point(k as f64)
+        }
     }
 }
 
 impl SeriesTape {
     /// A tape whose outputs are `roots`, in order.
     pub fn compile(graph: &Graph, layout: Layout, roots: &[ExprId]) -> SeriesTape {
-        SeriesTape { tape: Compiler::compile(graph, layout, roots, true) }
+        SeriesTape {
+            tape: Compiler::compile(graph, layout, roots, true),
+        }
     }
 
     /// Coefficients up to `order` for this tape, with its constants in place.
@@ -75,7 +81,10 @@ impl SeriesTape {
     /// The quantities the outputs depend on, in the order of the [`Layout`]; pass each one's
     /// coefficients to [`SeriesTape::set_quantity`] by its position here.
     pub fn quantities(&self) -> impl Iterator<Item = usize> + '_ {
-        self.tape.quantities.iter().map(|&(_, quantity)| quantity as usize)
+        self.tape
+            .quantities
+            .iter()
+            .map(|&(_, quantity)| quantity as usize)
     }
 
     /// Sets coefficient `order` of the quantity at `position` of [`SeriesTape::quantities`].
@@ -142,8 +151,11 @@ impl Instruction {
                 if divisor.contains(0.0) {
                     return Regularity::Undefined;
                 }
-                let known =
-                    if k == 0 { Interval::ZERO } else { c.convolve(out, b, k, 0, k - 1) };
+                let known = if k == 0 {
+                    Interval::ZERO
+                } else {
+                    c.convolve(out, b, k, 0, k - 1)
+                };
                 (c.at(a, k) - known) / divisor
             }
             Op::Binary(Binary::Min) => match decided_order(c.at(a, 0), c.at(b, 0)) {
@@ -213,14 +225,34 @@ impl Instruction {
                 };
                 c.set(out, k, value);
                 let square = square(c, out, k);
-                let signed = if function == Unary::Tan { square } else { -square };
-                c.set(companion, k, if k == 0 { Interval::ONE + signed } else { signed });
+                let signed = if function == Unary::Tan {
+                    square
+                } else {
+                    -square
+                };
+                c.set(
+                    companion,
+                    k,
+                    if k == 0 {
+                        Interval::ONE + signed
+                    } else {
+                        signed
+                    },
+                );
                 value
             }
             Unary::Atan => {
                 // atan' = a' / (1 + a²); the companion is the denominator.
                 let square = square(c, a, k);
-                c.set(companion, k, if k == 0 { Interval::ONE + square } else { square });
+                c.set(
+                    companion,
+                    k,
+                    if k == 0 {
+                        Interval::ONE + square
+                    } else {
+                        square
+                    },
+                );
                 if k == 0 {
                     start.atan()
                 } else {
@@ -237,10 +269,14 @@ impl Instruction {
 fn square(c: &Coefficients, a: u32, k: usize) -> Interval {
     let mut sum = Interval::ZERO;
     for j in 0..k.div_ceil(2) {
-        sum = sum + c.at(a, j) * c.at(a, k - j);
+        sum += c.at(a, j) * c.at(a, k - j);
     }
     sum = Interval::point(2.0) * sum;
-    if k % 2 == 0 { sum + c.at(a, k / 2).sqr() } else { sum }
+    if k.is_multiple_of(2) {
+        sum + c.at(a, k / 2).sqr()
+    } else {
+        sum
+    }
 }
 
 fn decided_order(a: Interval, b: Interval) -> Option<bool> {

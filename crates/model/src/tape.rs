@@ -114,16 +114,21 @@ impl Compiler<'_> {
     }
 
     fn emit(&mut self, op: Op, a: u32, b: u32) -> u32 {
-        let moving_operands =
-            (self.moving[a as usize], b != NO_REGISTER && self.moving[b as usize]);
+        let moving_operands = (
+            self.moving[a as usize],
+            b != NO_REGISTER && self.moving[b as usize],
+        );
         let moving = moving_operands.0 || moving_operands.1;
         let out = self.register(moving);
         let needs_companion = matches!(
             op,
             Op::Unary(Unary::Sin | Unary::Cos | Unary::Tan | Unary::Atan | Unary::Tanh)
         );
-        let companion =
-            if self.series && needs_companion { self.register(moving) } else { NO_REGISTER };
+        let companion = if self.series && needs_companion {
+            self.register(moving)
+        } else {
+            NO_REGISTER
+        };
         self.tape.instructions.push(Instruction {
             op,
             a,
@@ -159,7 +164,11 @@ impl Compiler<'_> {
         }
         let half = self.power(a, n / 2);
         let square = self.emit(Op::Square, half, NO_REGISTER);
-        if n % 2 == 0 { square } else { self.emit(Op::Binary(Binary::Mul), square, a) }
+        if n % 2 == 0 {
+            square
+        } else {
+            self.emit(Op::Binary(Binary::Mul), square, a)
+        }
     }
 
     fn lower(&mut self, e: ExprId) {
@@ -168,7 +177,9 @@ impl Compiler<'_> {
             Node::Pi => self.constant(Interval::PI),
             Node::Var(var) => {
                 let register = self.register(matches!(var, Var::State(_)));
-                self.tape.quantities.push((register, self.layout.index(var) as u32));
+                self.tape
+                    .quantities
+                    .push((register, self.layout.index(var) as u32));
                 register
             }
             Node::Unary(function, a) => {
@@ -206,7 +217,10 @@ impl Compiler<'_> {
         for e in graph.reachable(roots) {
             compiler.lower(e);
         }
-        let outputs = roots.iter().map(|root| compiler.register_of[root]).collect();
+        let outputs = roots
+            .iter()
+            .map(|root| compiler.register_of[root])
+            .collect();
         compiler.tape.outputs = outputs;
         compiler.tape
     }
@@ -337,7 +351,13 @@ impl Tape {
 }
 
 fn unary_regularity(function: Unary, a: Interval) -> Regularity {
-    let ok = |defined: bool| if defined { Regularity::Smooth } else { Regularity::Undefined };
+    let ok = |defined: bool| {
+        if defined {
+            Regularity::Smooth
+        } else {
+            Regularity::Undefined
+        }
+    };
     match function {
         Unary::Neg | Unary::Exp | Unary::Sin | Unary::Cos | Unary::Atan | Unary::Tanh => ok(true),
         Unary::Sqrt if a.lo() == 0.0 => Regularity::Kink,
@@ -373,7 +393,12 @@ fn unary_reverse(function: Unary, out: Interval, a: Interval) -> Interval {
     }
 }
 
-fn binary_reverse(function: Binary, out: Interval, a: Interval, b: Interval) -> (Interval, Interval) {
+fn binary_reverse(
+    function: Binary,
+    out: Interval,
+    a: Interval,
+    b: Interval,
+) -> (Interval, Interval) {
     match function {
         Binary::Add => (a.intersect(out - b), b.intersect(out - a)),
         Binary::Sub => (a.intersect(out + b), b.intersect(a - out)),

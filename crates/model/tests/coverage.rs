@@ -74,16 +74,16 @@ fn guards_that_cover_only_the_domain() {
         &["x < 2000"],
         &["x + T > 0 or x - T < 0"],
     ] {
-        assert_eq!(
-            model(guards).unwrap().coverage,
-            Coverage::InDomain,
-            "{guards:?}"
+        let coverage = model(guards).unwrap().coverage;
+        assert!(
+            matches!(coverage, Coverage::InDomain { .. }),
+            "{guards:?}: {coverage:?}"
         );
     }
     let covered = model_with(", domain = [0, 2]", &["sqrt(x) >= 1", "sqrt(x) < 1"]).unwrap();
-    assert_eq!(covered.coverage, Coverage::InDomain);
+    assert!(matches!(covered.coverage, Coverage::InDomain { .. }));
     let covered = model_with(", domain = [0, 2]", &["x >= 0"]).unwrap();
-    assert_eq!(covered.coverage, Coverage::InDomain);
+    assert!(matches!(covered.coverage, Coverage::InDomain { .. }));
 }
 
 #[test]

@@ -56,7 +56,7 @@ pub(crate) fn examine(model: &Model, guards: &[Guard]) -> Finding {
         return Finding::Covered(if defined.everywhere {
             Coverage::Everywhere
         } else {
-            Coverage::InDomain
+            in_domain(&domain)
         });
     }
     // Cells with fewest equations first: in them a box can be proved to be a gap.
@@ -85,8 +85,15 @@ pub(crate) fn examine(model: &Model, guards: &[Guard]) -> Finding {
         }
     }
     match open {
-        None => Finding::Covered(Coverage::InDomain),
+        None => Finding::Covered(in_domain(&domain)),
         Some(place) => unproved(&place),
+    }
+}
+
+fn in_domain(domain: &Domain) -> Coverage {
+    Coverage::InDomain {
+        states: domain.states.clone(),
+        inputs: domain.inputs.clone(),
     }
 }
 
