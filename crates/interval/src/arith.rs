@@ -1,8 +1,8 @@
-//! Interval `+ - * /`, square, integer powers, root, absolute value, sign, minimum, maximum.
+//! Interval `+ - * /`, square root, absolute value, sign, minimum, maximum.
 //!
 //! *Guarantee* of every function here: the result contains `f(x, ..)` for all elements of the
 //! arguments where `f` is defined; it is empty exactly where there is none. Ends are the tight
-//! directed values of [`crate::round`], so all results but `powi` are the smallest possible.
+//! directed values of [`crate::round`], so all results are the smallest possible.
 
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -29,12 +29,12 @@ impl Neg for Interval {
 
 /// `[-lo, hi]`, so that both ends are rounded up by one vector operation.
 #[inline(always)]
-fn outward(x: Interval) -> Pair {
+pub(crate) fn outward(x: Interval) -> Pair {
     Pair::new(-x.lo(), x.hi())
 }
 
 #[inline(always)]
-fn inward(pair: Pair) -> Interval {
+pub(crate) fn inward(pair: Pair) -> Interval {
     Interval::raw(-pair.first(), pair.second())
 }
 
@@ -207,30 +207,6 @@ impl Interval {
         };
         Interval::raw(lo, hi)
     }
-
-    /// Powers for `n >= 1`, each end by itself.
-    #[inline(never)]
-    fn power_extreme(self, n: u32) -> Interval {
-        if n.is_multiple_of(2) {
-            return Interval::raw(power_down(self.mig(), n), power_up(self.mag(), n));
-        }
-        let end = |x: f64, up: bool| match (x < 0.0, up) {
-            (false, false) => power_down(x, n),
-            (false, true) => power_up(x, n),
-            (true, false) => -power_up(-x, n),
-            (true, true) => -power_down(-x, n),
-        };
-        Interval::raw(end(self.lo(), false), end(self.hi(), true))
-    }
-
-    #[inline(never)]
-    fn sqr_extreme(self) -> Interval {
-        if self.is_empty() {
-            return self;
-        }
-        let (near, far) = (self.mig(), self.mag());
-        Interval::raw(mul_down(near, near), mul_up(far, far))
-    }
 }
 
 impl Interval {
@@ -238,85 +214,6 @@ impl Interval {
     #[inline]
     pub fn recip(self) -> Interval {
         Interval::ONE / self
-    }
-
-    /// The squares of the elements: never negative, unlike `x * x`.
-    #[inline]
-    pub fn sqr(self) -> Interval {
-        let (a, b) = (self.lo(), self.hi());
-        let (near, far) = if a >= 0.0 {
-            (a, b)
-        } else if b <= 0.0 {
-            (b, a)
-        } else {
-            (0.0, larger(-a, b))
-        };
-        match product_up(Pair::new(-near, far), Pair::new(near, far)) {
-            (squares, true) => inward(squares),
-            _ => self.sqr_extreme(),
-        }
-    }
-
-    /// The `n`-th powers of the elements; `x^0 = 1` also at 0, and for negative `n` the element 0 has
-    /// no power.
-    ///
-    /// The ends are products of directed roundings, at most about `|n|` floats from the tight ones.
-    #[inline]
-    pub fn powi(self, n: i32) -> Interval {
-        match n {
-            _ if self.is_empty() => self,
-            0 => Interval::ONE,
-            1 => self,
-            2 => self.sqr(),
-            _ if n < 0 => self.negative_power(n.unsigned_abs()),
-            _ => self.positive_power(n.unsigned_abs()),
-        }
-    }
-
-    /// Powers for `-n`: the reciprocal of the power, or where that overflows, also the power of the
-    /// reciprocal; both contain all powers.
-    fn negative_power(self, n: u32) -> Interval {
-        let power = self.positive_power(n);
-        if power.is_bounded() || !self.is_bounded() {
-            return power.recip();
-        }
-        power.recip().intersect(self.recip().positive_power(n))
-    }
-
-    /// Powers for `n >= 1`: increasing for odd `n`, a function of `|x|` for even `n`.
-    ///
-    /// Repeated squaring of `[-lo, hi]`, or `[-mig, mag]` for even `n`, where the factors keep the sign
-    /// of the first: a negative lane then rounds its magnitude down, a positive one up, as the end it
-    /// becomes needs.
-    fn positive_power(self, n: u32) -> Interval {
-        let even = n.is_multiple_of(2);
-        let mut square = if even {
-            Pair::new(-self.mig(), self.mag())
-        } else {
-            outward(self)
-        };
-        let (mut product, mut started, mut fast, mut rest) = (square, false, true, n);
-        while fast {
-            if rest & 1 == 1 {
-                (product, fast) = if started {
-                    product_up(product, square.abs())
-                } else {
-                    (square, true)
-                };
-                started = true;
-            }
-            rest >>= 1;
-            if rest == 0 {
-                break;
-            }
-            let (next, holds) = product_up(square, square.abs());
-            (square, fast) = (next, fast & holds);
-        }
-        if fast {
-            inward(product)
-        } else {
-            self.power_extreme(n)
-        }
     }
 
     /// The square roots of the elements that are not negative.
@@ -371,32 +268,6 @@ impl Interval {
             return Interval::EMPTY;
         }
         Interval::raw(larger(self.lo(), other.lo()), larger(self.hi(), other.hi()))
-    }
-}
-
-/// A lower bound of `a^n` for `a >= 0`, `n >= 1`: repeated squaring, every product rounded down.
-/// Products of lower bounds of numbers that are not negative are lower bounds.
-pub(crate) fn power_down(a: f64, n: u32) -> f64 {
-    power(a, n, mul_down)
-}
-
-/// An upper bound of `a^n` for `a >= 0`, `n >= 1`; mirror image of [`power_down`].
-pub(crate) fn power_up(a: f64, n: u32) -> f64 {
-    power(a, n, mul_up)
-}
-
-fn power(a: f64, n: u32, times: impl Fn(f64, f64) -> f64) -> f64 {
-    let (mut square, mut rest) = (a, n);
-    let mut product = None;
-    loop {
-        if rest & 1 == 1 {
-            product = Some(product.map_or(square, |p| times(p, square)));
-        }
-        rest >>= 1;
-        match product {
-            Some(p) if rest == 0 => return p,
-            _ => square = times(square, square),
-        }
     }
 }
 

@@ -16,6 +16,7 @@ mod domain;
 mod elementary;
 mod interval;
 mod period;
+mod power;
 mod reverse;
 pub mod round;
 mod self_test;

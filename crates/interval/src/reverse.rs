@@ -7,7 +7,7 @@
 //! `x` before the hull is taken.
 
 use crate::Interval;
-use crate::arith::{power_down, power_up};
+use crate::power::{root_down, root_up};
 
 impl Interval {
     /// `{x : b + x in c}`.
@@ -295,64 +295,4 @@ fn branches(
         x.hi()
     };
     Interval::ordered(lo, hi)
-}
-
-/// A lower bound of the `n`-th root of `a >= 0`, `n >= 2`: the largest float whose power, rounded up,
-/// is not above `a`.
-fn root_down(a: f64, n: u32) -> f64 {
-    if a == 0.0 || a.is_infinite() {
-        return if a == 0.0 { 0.0 } else { f64::MAX };
-    }
-    last_that_holds(root_guess(a, n), |x| power_up(x, n) <= a).0
-}
-
-/// An upper bound of the `n`-th root; the smallest float whose power, rounded down, is not below `a`.
-fn root_up(a: f64, n: u32) -> f64 {
-    if a == 0.0 || a.is_infinite() {
-        return a;
-    }
-    last_that_holds(root_guess(a, n), |x| power_down(x, n) < a).1
-}
-
-/// Two neighbours, the first with the property and the second without. Required: 0 has it, the largest
-/// float has not. The search starts at the guess with growing steps, then bisects; both answers have
-/// been tested, so nothing depends on the guess or on monotony.
-fn last_that_holds(guess: f64, property: impl Fn(f64) -> bool) -> (f64, f64) {
-    let holds = |bits: u64| property(f64::from_bits(bits));
-    let (mut with, mut step) = (guess.to_bits(), 1);
-    let mut without = with;
-    while !holds(with) {
-        without = with;
-        with = with.saturating_sub(step);
-        step *= 2;
-    }
-    while without == with || holds(without) {
-        with = without;
-        without = (without + step).min(f64::MAX.to_bits());
-        step *= 2;
-    }
-    while without - with > 1 {
-        let middle = with + (without - with) / 2;
-        if holds(middle) {
-            with = middle;
-        } else {
-            without = middle;
-        }
-    }
-    (f64::from_bits(with), f64::from_bits(without))
-}
-
-/// A positive finite float near the root, which needs no guarantee: a power with a rounded exponent,
-/// improved by one Newton step.
-fn root_guess(a: f64, n: u32) -> f64 {
-    let degree = f64::from(n);
-    let rough = core_math::pow(a, degree.recip());
-    let better = rough - rough * ((power_down(rough, n) / a - 1.0) / degree);
-    // The powers of subnormal numbers are too coarse for the step.
-    let guess = if a > 1e-290 && better.is_finite() {
-        better
-    } else {
-        rough
-    };
-    guess.clamp(f64::MIN_POSITIVE, f64::MAX)
 }
