@@ -185,7 +185,7 @@ impl Observer {
             let dt = (&sample.time - &time).to_interval();
             let turn = position.is_multiple_of(self.options.every as u64);
             if turn {
-                self.bisect(&inputs);
+                self.bisect(&inputs, dt);
             }
             if let Err((reason, cell)) = self.integrate(&inputs, dt) {
                 self.finished = true;
@@ -245,7 +245,7 @@ impl Observer {
     }
 
     /// Step 2: bisections until the list is `M` longer, the box of largest volume first.
-    fn bisect(&mut self, inputs: &[Interval]) {
+    fn bisect(&mut self, inputs: &[Interval], dt: Interval) {
         self.update_scale();
         let mut volumes: Vec<f64> = self
             .cells
@@ -263,7 +263,7 @@ impl Observer {
             };
             let parts = self
                 .splitter
-                .split(&self.cells[position], inputs, &self.options);
+                .split(&self.cells[position], inputs, dt.hi(), &self.options);
             if parts.len() < 2 {
                 return;
             }

@@ -12,6 +12,9 @@ pub enum ParameterRule {
     /// Split the parameter of the last term if it overlaps another one, else of the first term:
     /// `β` if `[α][x2] ∩ [β]([u] - [T])` is not empty, else `α`.
     OverlappingTerms,
+    /// Split the parameter, guarded ones included, whose own width contributes most to the width
+    /// of a velocity: largest `|∂f/∂p|` times width. Not from the slides.
+    WidestInfluence,
 }
 
 /// Settings of the observer over a list of boxes. None of them changes what is proved; they change
@@ -27,11 +30,10 @@ pub struct ObserverOptions {
     /// How far beyond the deciding value of a parameter an ambiguous guard is split, as a share of
     /// the parameter's prior width (the ±ε rule).
     pub epsilon: f64,
-    /// A switching state is split when its width is at least this many times the width of the
-    /// measured states, each in units of its scale; see [`ObserverOptions::state_horizon`].
-    pub velocity_ratio: f64,
-    /// Seconds over which a width of a switching state is taken to act on the measured states.
-    pub state_horizon: f64,
+    /// A switching state is split when its width, times this many sampling times, reaches the
+    /// width of the measured states: the slide's `diam[x2] >= diam[x1]` with both sides in the
+    /// same unit. Larger values split velocities more and parameters less.
+    pub velocity_horizon: f64,
     /// Split a switching state into three, around its level, while several modes are possible.
     pub trisect: bool,
     /// How the parameter to split is chosen.
@@ -46,13 +48,12 @@ impl Default for ObserverOptions {
     fn default() -> Self {
         ObserverOptions {
             boxes: 50,
-            bisections: 25,
-            every: 10,
+            bisections: 20,
+            every: 5,
             epsilon: 1e-3,
-            velocity_ratio: 1.0,
-            state_horizon: 1.0,
+            velocity_horizon: 2.0,
             trisect: false,
-            parameter_rule: ParameterRule::WidestTerm,
+            parameter_rule: ParameterRule::WidestInfluence,
             merge_across_modes: false,
             step: StepOptions::default(),
         }

@@ -39,6 +39,8 @@ pub(crate) struct Splitter {
     switching: Vec<SwitchingState>,
     /// States that an output measures directly; the widths of the others are compared with theirs.
     measured: Vec<usize>,
+    /// `slopes[mode]`: derivatives of the same velocities, each with its parameter.
+    slopes: Vec<Vec<(usize, Tape)>>,
     /// `terms[mode]` of the velocities of the switching states (of all states when none switches).
     terms: Vec<Vec<Term>>,
     registers: Vec<Interval>,
@@ -109,6 +111,17 @@ impl Splitter {
         } else {
             switching.iter().map(|known| known.state).collect()
         };
+        let mut slopes = Vec::new();
+        for mode in &model.modes {
+            let mut list = Vec::new();
+            for &state in &moved {
+                for param in params_of(&graph.variables(mode.der[state])) {
+                    let slope = graph.derivative(mode.der[state], Var::Param(param));
+                    list.push((param, Tape::compile(&graph, layout, &[slope])));
+                }
+            }
+            slopes.push(list);
+        }
         let terms = model
             .modes
             .iter()
@@ -140,6 +153,7 @@ impl Splitter {
             guards,
             switching,
             measured,
+            slopes,
             terms,
             registers: Vec::new(),
             prior_width: model
@@ -180,6 +194,7 @@ impl Splitter {
         &mut self,
         cell: &Cell,
         inputs: &[Interval],
+        dt: f64,
         options: &ObserverOptions,
     ) -> Vec<Cell> {
         let mut q = cell.z.clone();
@@ -189,7 +204,7 @@ impl Splitter {
         {
             return parts;
         }
-        if let Some((state, points)) = self.wide_state(cell, options)
+        if let Some((state, points)) = self.wide_state(cell, dt, options)
             && let Some(parts) = split_at(cell, state, &points)
         {
             return parts;
@@ -245,7 +260,12 @@ impl Splitter {
     }
 
     /// A switching state that is wide compared with what is measured, and where to cut it.
-    fn wide_state(&self, cell: &Cell, options: &ObserverOptions) -> Option<(usize, Vec<f64>)> {
+    fn wide_state(
+        &self,
+        cell: &Cell,
+        dt: f64,
+        options: &ObserverOptions,
+    ) -> Option<(usize, Vec<f64>)> {
         let reference = self
             .measured
             .iter()
@@ -256,7 +276,7 @@ impl Splitter {
             .iter()
             .map(|known| (cell.z[known.state].width(), known))
             .max_by(|a, b| a.0.total_cmp(&b.0))?;
-        if width <= 0.0 || width * options.state_horizon < options.velocity_ratio * reference {
+        if width <= 0.0 || width * dt * options.velocity_horizon < reference {
             return None;
         }
         let x = cell.z[known.state];
@@ -271,6 +291,23 @@ impl Splitter {
             }
         }
         Some((known.state, vec![x.mid()]))
+    }
+
+    /// The parameter whose width widens a velocity most, in any mode possible on the box.
+    fn most_influential(&mut self, cell: &Cell, q: &[Interval]) -> Option<usize> {
+        let mut best: Option<(f64, usize)> = None;
+        for mode in cell.modes.iter() {
+            for (param, slope) in self.slopes.get(mode).into_iter().flatten() {
+                self.registers = slope.registers();
+                slope.eval(q, &mut self.registers);
+                let width = q[self.layout.states + param].width();
+                let influence = slope.output(0, &self.registers).mag() * width;
+                if influence > 0.0 && best.is_none_or(|(known, _)| influence > known) {
+                    best = Some((influence, *param));
+                }
+            }
+        }
+        best.map(|(_, param)| param)
     }
 
     fn parameter(&mut self, cell: &Cell, q: &[Interval], rule: ParameterRule) -> Option<usize> {
@@ -300,6 +337,7 @@ impl Splitter {
             }
         }
         match rule {
+            ParameterRule::WidestInfluence => self.most_influential(cell, q),
             ParameterRule::WidestTerm => terms
                 .iter()
                 .max_by(|a, b| a.1.width().total_cmp(&b.1.width()).then(b.0.cmp(&a.0)))

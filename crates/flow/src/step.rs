@@ -24,7 +24,7 @@ pub struct StepOptions {
 impl Default for StepOptions {
     fn default() -> Self {
         StepOptions {
-            order: 3,
+            order: 2,
             halvings: 8,
             longest: 0.05,
         }
