@@ -1,0 +1,309 @@
+//! What can be typed.
+
+use super::flags::{
+    Assignment, ColumnFlag, ErrorFlag, InputErrorFlag, ResetFlag, ZoomFlag, decimal, not_negative,
+    positive,
+};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+use veribound_estimate::{ObserverOptions, ParameterRule};
+use veribound_interval::Decimal;
+
+/// Proved parameter and state bounds for dynamic systems with switches.
+///
+/// What is printed is proved: if the record's errors stay inside the bounds of the model file, the
+/// true values lie inside the printed ones.
+#[derive(Debug, Parser)]
+#[command(name = "veribound", version, max_term_width = 100, arg_required_else_help = true)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Read a model file and say what it was understood to mean
+    Check(Check),
+    /// Bound the parameters and states of a model from a record, sample by sample
+    #[command(after_help = "Exit codes: 0 consistent, 1 proved inconsistent, 2 wrong input or \
+                            usage, 3 undecided, 130 interrupted (files complete up to the last \
+                            sample).")]
+    Observe(Box<Observe>),
+    /// Make a record of a model with known parameters; its errors are proved to stay in bounds
+    Simulate(Simulate),
+}
+
+/// Flags of `veribound check`.
+#[derive(Debug, Args)]
+pub struct Check {
+    /// Model file (TOML)
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+}
+
+/// Flags of `veribound observe`.
+#[derive(Debug, Args)]
+pub struct Observe {
+    /// Model file (TOML)
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// Record (CSV with a header)
+    #[arg(value_name = "RECORD")]
+    pub record: PathBuf,
+    /// Folder for the results; it is made where it does not exist
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+
+    /// How the record is read.
+    #[command(flatten)]
+    pub reading: Reading,
+    /// What the run assumes.
+    #[command(flatten)]
+    pub assumptions: Assumptions,
+    /// How the observer works.
+    #[command(flatten)]
+    pub method: Method,
+    /// What the run shows.
+    #[command(flatten)]
+    pub showing: Showing,
+}
+
+/// How the record is read.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Reading the record")]
+pub struct Reading {
+    /// Column with the time in seconds, if it is not called t, time, timestamp or stamp
+    #[arg(long, value_name = "COLUMN")]
+    pub time: Option<String>,
+    /// Column of a variable of the model; may be given several times
+    #[arg(long, value_name = "VARIABLE=COLUMN")]
+    pub column: Vec<ColumnFlag>,
+    /// First time to use, in seconds on the record's clock
+    #[arg(long, value_name = "SECONDS", value_parser = decimal, allow_hyphen_values = true)]
+    pub from: Option<Decimal>,
+    /// Last time to use, in seconds on the record's clock
+    #[arg(long, value_name = "SECONDS", value_parser = decimal, allow_hyphen_values = true)]
+    pub to: Option<Decimal>,
+}
+
+/// What the run assumes beside the model file. Flags can only weaken what the model file says;
+/// `--start-from` adds what an earlier run proved, and the run says so.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Assumptions")]
+pub struct Assumptions {
+    /// Let a parameter take a new value inside its prior at every sample at which a signal has been
+    /// true for SECONDS (0 if not given; an event of the model brings its own time)
+    #[arg(long, value_name = "PARAM@SIGNAL[:SECONDS]")]
+    pub reset: Vec<ResetFlag>,
+    /// Let an input differ from the record by more than the model file says: a share (10%) or an
+    /// absolute bound (0.02)
+    #[arg(long, value_name = "INPUT=BOUND")]
+    pub input_error: Vec<InputErrorFlag>,
+    /// Start from the parameter boxes that an earlier run left in its folder, instead of the prior;
+    /// assumes that its record has the same parameters
+    #[arg(long, value_name = "DIR")]
+    pub start_from: Option<PathBuf>,
+}
+
+/// How the observer works. No flag here changes what is proved; they change how tight the bounds are
+/// and what they cost.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Method")]
+pub struct Method {
+    /// Number of boxes that merging reduces the list to
+    #[arg(long, value_name = "L", default_value_t = ObserverOptions::default().boxes,
+          value_parser = count(1))]
+    pub boxes: usize,
+    /// Bisections in a row
+    #[arg(long, value_name = "M", default_value_t = ObserverOptions::default().bisections,
+          value_parser = count(0))]
+    pub bisections: usize,
+    /// Samples between two rounds of bisection and merging
+    #[arg(long, value_name = "K", default_value_t = ObserverOptions::default().every,
+          value_parser = count(1))]
+    pub every: usize,
+    /// How far beyond the deciding value an ambiguous guard is split, as a share of the prior's width
+    #[arg(long, value_name = "SHARE", default_value_t = ObserverOptions::default().epsilon,
+          value_parser = not_negative)]
+    pub epsilon: f64,
+    /// Split a switching state when its width times this many sampling times reaches the width of the
+    /// measured states
+    #[arg(long, value_name = "SAMPLES", default_value_t = ObserverOptions::default().velocity_horizon,
+          value_parser = not_negative)]
+    pub velocity_horizon: f64,
+    /// Split a switching state into three while several modes are possible
+    #[arg(long)]
+    pub trisect: bool,
+    /// How the parameter to split is chosen
+    #[arg(long, value_name = "RULE", value_enum,
+          default_value_t = Rule::of(ObserverOptions::default().parameter_rule))]
+    pub parameter_rule: Rule,
+    /// Let merging join boxes with different active modes
+    #[arg(long)]
+    pub merge_across_modes: bool,
+    /// Order of the Taylor series where one smooth right-hand side is certain
+    #[arg(long, value_name = "N", default_value_t = ObserverOptions::default().step.order,
+          value_parser = count_up_to(1, 12))]
+    pub order: usize,
+    /// How often a step that cannot be proved may be halved
+    #[arg(long, value_name = "N", default_value_t = ObserverOptions::default().step.halvings)]
+    pub halvings: u32,
+    /// Longest single step; longer gaps between samples are divided
+    #[arg(long, value_name = "SECONDS", default_value_t = ObserverOptions::default().step.longest,
+          value_parser = positive)]
+    pub longest_step: f64,
+}
+
+/// What the run shows.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub struct Showing {
+    /// Formats of the figures
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "FORMAT",
+          default_values_t = [Format::Svg, Format::Png])]
+    pub figures: Vec<Format>,
+    /// Stretch of time that the figure of the outputs enlarges: FROM..TO in seconds, auto, or off
+    #[arg(long, value_name = "FROM..TO", default_value = "auto", allow_hyphen_values = true)]
+    pub zoom: ZoomFlag,
+    /// Show the parameters of an earlier run in its folder behind those of this one
+    #[arg(long, value_name = "DIR")]
+    pub overlay: Option<PathBuf>,
+    /// Print summary.json to stdout instead of the table
+    #[arg(long)]
+    pub json: bool,
+    /// Print nothing but problems
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+/// Flags of `veribound simulate`.
+#[derive(Debug, Args)]
+pub struct Simulate {
+    /// Model file (TOML)
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// Value of every parameter
+    #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',', required = true)]
+    pub params: Vec<Assignment>,
+    /// Start value of the states; needed where the model file has an interval
+    #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',')]
+    pub start: Vec<Assignment>,
+    /// New values of parameters from a time on, as in 40:T_Fs=0.2; may be given several times
+    #[arg(long, value_name = "SECONDS:NAME=VALUE")]
+    pub change: Vec<String>,
+    /// Inputs over time (CSV with a header); each value holds until the next line
+    #[arg(long, value_name = "PROFILE")]
+    pub input: Option<PathBuf>,
+    /// Time of the last sample
+    #[arg(long, value_name = "SECONDS", value_parser = decimal)]
+    pub until: Option<Decimal>,
+    /// Time between two samples; by default the samples are at the times of the profile
+    #[arg(long, value_name = "SECONDS", value_parser = decimal)]
+    pub every: Option<Decimal>,
+    /// Largest error of a written output, or `worst`: errors at the end of the model's bound with
+    /// random signs
+    #[arg(long, value_name = "BOUND|worst")]
+    pub error: Option<ErrorFlag>,
+    /// Chooses the errors
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// Decimal places of the written outputs
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = count_up_to(0, 15))]
+    pub decimals: usize,
+    /// Internal steps per sample
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = count_up_to(1, 100_000))]
+    pub steps: usize,
+    /// Record to write (CSV)
+    #[arg(short, long, value_name = "RECORD")]
+    pub output: PathBuf,
+}
+
+/// Formats of figures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// Vector graphics
+    Svg,
+    /// Pixels
+    Png,
+    /// No figures
+    None,
+}
+
+/// Names of the rules of [`ParameterRule`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Rule {
+    /// The parameter of the widest term of the derivative
+    WidestTerm,
+    /// The parameter of the last term if it overlaps another, else of the first
+    OverlappingTerms,
+    /// The parameter whose own width contributes most to the width of the derivative
+    WidestInfluence,
+}
+
+impl Rule {
+    fn of(rule: ParameterRule) -> Rule {
+        match rule {
+            ParameterRule::WidestTerm => Rule::WidestTerm,
+            ParameterRule::OverlappingTerms => Rule::OverlappingTerms,
+            ParameterRule::WidestInfluence => Rule::WidestInfluence,
+        }
+    }
+}
+
+impl Method {
+    /// The settings in the observer's own words.
+    pub fn options(&self) -> ObserverOptions {
+        let mut options = ObserverOptions {
+            boxes: self.boxes,
+            bisections: self.bisections,
+            every: self.every,
+            epsilon: self.epsilon,
+            velocity_horizon: self.velocity_horizon,
+            trisect: self.trisect,
+            parameter_rule: match self.parameter_rule {
+                Rule::WidestTerm => ParameterRule::WidestTerm,
+                Rule::OverlappingTerms => ParameterRule::OverlappingTerms,
+                Rule::WidestInfluence => ParameterRule::WidestInfluence,
+            },
+            merge_across_modes: self.merge_across_modes,
+            step: ObserverOptions::default().step,
+        };
+        options.step.order = self.order;
+        options.step.halvings = self.halvings;
+        options.step.longest = self.longest_step;
+        options
+    }
+}
+
+/// A whole number from `least` on.
+fn count(least: u64) -> impl clap::builder::TypedValueParser<Value = usize> {
+    count_up_to(least, 1_000_000)
+}
+
+/// A whole number in a range.
+fn count_up_to(least: u64, most: u64) -> impl clap::builder::TypedValueParser<Value = usize> {
+    use clap::builder::TypedValueParser;
+    clap::value_parser!(u64).range(least..=most).map(|count| count as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_flags_fit_together() {
+        Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn flags_that_are_not_given_are_the_observers_defaults() {
+        let typed = ["veribound", "observe", "m.toml", "r.csv", "-o", "out"];
+        let Command::Observe(observe) = Arguments::parse_from(typed).command else {
+            panic!("not an observation")
+        };
+        assert_eq!(observe.method.options(), ObserverOptions::default());
+    }
+}

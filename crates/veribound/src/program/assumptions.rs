@@ -1,0 +1,166 @@
+//! What a run assumes beside the model file: flags that weaken it.
+//!
+//! Every flag here lets in more solutions than the model file does (a parameter that may change, an
+//! input that may be further off), so whatever is proved with it is proved of the model file's own
+//! solutions too. Flags that would shut solutions out are refused.
+
+use super::arguments::Assumptions;
+use super::flags::{InputErrorFlag, ResetFlag};
+use super::message::{flag_problem, list};
+use veribound_interval::Decimal;
+use veribound_model::diagnostic::{Diagnostic, Diagnostics};
+use veribound_model::{Model, Reset};
+
+/// Changes the model as the flags say; gives a sentence for every change.
+pub fn weaken(model: &mut Model, flags: &Assumptions) -> Result<Vec<String>, Diagnostics> {
+    let mut said = Vec::new();
+    let mut problems = Vec::new();
+    for flag in &flags.reset {
+        match reset(model, flag) {
+            Ok(change) => said.push(change),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    for flag in &flags.input_error {
+        match input_error(model, flag) {
+            Ok(change) => said.push(change),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    if problems.is_empty() { Ok(said) } else { Err(Diagnostics(problems)) }
+}
+
+fn reset(model: &mut Model, flag: &ResetFlag) -> Result<String, Diagnostic> {
+    let part = |range: &std::ops::Range<usize>| flag.text.get(range.clone()).unwrap_or_default();
+    let (name, trigger) = (part(&flag.param), part(&flag.trigger));
+    let typed = |range| ("--reset", flag.text.as_str(), range);
+    let Some(param) = model.params.iter().position(|param| param.name == name) else {
+        let known = list(model.params.iter().map(|param| param.name.as_str()));
+        return Err(flag_problem(
+            "E0601",
+            format!("the model has no parameter `{name}`"),
+            typed(flag.param.clone()),
+            "not in [params]",
+            format!("its parameters are {known}"),
+        ));
+    };
+    let event_time = |event: &str| {
+        let resets = model.signals.iter().enumerate().flat_map(|(at, signal)| {
+            signal.resets.iter().map(move |reset| (at, reset))
+        });
+        resets.into_iter().find(|(_, reset)| reset.event == event).map(|(at, reset)| {
+            (at, flag.lasts.clone().unwrap_or_else(|| reset.lasts.clone()))
+        })
+    };
+    let by_signal = model.signals.iter().position(|signal| signal.name == trigger);
+    let by_signal = by_signal.map(|at| (at, flag.lasts.clone().unwrap_or_else(Decimal::zero)));
+    let Some((signal, lasts)) = by_signal.or_else(|| event_time(trigger)) else {
+        let signals = list(model.signals.iter().map(|signal| signal.name.as_str()));
+        return Err(flag_problem(
+            "E0602",
+            format!("the model has no signal or event `{trigger}`"),
+            typed(flag.trigger.clone()),
+            "not in [signals] or [events]",
+            format!("its signals are {signals}"),
+        ));
+    };
+    let change = format!(
+        "{name} may take a new value at every sample at which {} has been true for {lasts} s \
+         (--reset)",
+        model.signals.get(signal).map_or("", |signal| signal.name.as_str()),
+    );
+    if let Some(signal) = model.signals.get_mut(signal) {
+        signal.resets.push(Reset { event: trigger.to_owned(), param, lasts });
+    }
+    Ok(change)
+}
+
+fn input_error(model: &mut Model, flag: &InputErrorFlag) -> Result<String, Diagnostic> {
+    let typed = |range| ("--input-error", flag.text.as_str(), range);
+    let known = list(model.inputs.iter().map(|input| input.name.as_str()));
+    let Some(input) = model.inputs.iter_mut().find(|input| input.name == flag.input) else {
+        return Err(flag_problem(
+            "E0603",
+            format!("the model has no input `{}`", flag.input),
+            typed(0..flag.input.len()),
+            "not in [inputs]",
+            format!("its inputs are {known}"),
+        ));
+    };
+    let own = if flag.is_relative { &mut input.error.relative } else { &mut input.error.absolute };
+    let kind = if flag.is_relative { "times the recorded value" } else { input.unit.as_str() };
+    if flag.bound < *own {
+        return Err(flag_problem(
+            "E0604",
+            format!(
+                "the model file allows `{}` an error of {own} {kind}; a flag cannot take that back",
+                input.name
+            ),
+            typed(0..flag.text.len()),
+            "less than the model file says",
+            "change the error bound in the model file if it is too large",
+        ));
+    }
+    let change = format!(
+        "{} may be off by {} {kind}, {own} in the model file (--input-error)",
+        input.name, flag.bound
+    );
+    *own = flag.bound.clone();
+    Ok(change)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn model() -> Model {
+        let text = "format = 1\nstates = [\"phi\"]\ninit.phi = 0\n\
+            inputs.u = { unit = \"V\", error = { relative = 0.05 } }\n\
+            [params]\na = [1, 2]\n\
+            [der]\nphi = \"a * u\"\n\
+            [signals]\nstill = { from = \"column\", type = \"bool\" }\n\
+            [events.stop]\nwhen = \"still\"\nlasts = 0.5\naction = \"reset a\"\n\
+            [outputs]\ny = \"phi +- 0.1\"\n";
+        Model::from_text("x.toml", text).unwrap()
+    }
+
+    fn flags(reset: &[&str], input_error: &[&str]) -> Assumptions {
+        Assumptions {
+            reset: reset.iter().map(|text| text.parse().unwrap()).collect(),
+            input_error: input_error.iter().map(|text| text.parse().unwrap()).collect(),
+            start_from: None,
+        }
+    }
+
+    fn number(text: &str) -> Decimal {
+        Decimal::parse(text).unwrap()
+    }
+
+    #[test]
+    fn a_reset_is_added_to_those_of_the_model() {
+        let mut model = model();
+        let said = weaken(&mut model, &flags(&["a@still:0.2", "a@stop", "a@still"], &[])).unwrap();
+        let lasts: Vec<Decimal> =
+            model.signals[0].resets.iter().map(|reset| reset.lasts.clone()).collect();
+        assert_eq!(lasts, ["0.5", "0.2", "0.5", "0"].map(number));
+        assert_eq!(said.len(), 3);
+        assert!(said[0].contains("still has been true for 0.2 s"), "{}", said[0]);
+    }
+
+    #[test]
+    fn an_input_error_can_only_grow() {
+        let mut weaker = model();
+        weaken(&mut weaker, &flags(&[], &["u=10%", "u=0.02"])).unwrap();
+        assert_eq!(weaker.inputs[0].error.relative, number("0.1"));
+        assert_eq!(weaker.inputs[0].error.absolute, number("0.02"));
+        let refused = weaken(&mut model(), &flags(&[], &["u=1%"])).unwrap_err();
+        assert_eq!(refused.0[0].code, "E0604");
+    }
+
+    #[test]
+    fn names_that_the_model_does_not_have_are_refused_together() {
+        let refused = weaken(&mut model(), &flags(&["b@still", "a@x"], &["w=1%"])).unwrap_err();
+        let codes: Vec<&str> = refused.0.iter().map(|problem| problem.code).collect();
+        assert_eq!(codes, ["E0601", "E0602", "E0603"]);
+    }
+}

@@ -1,0 +1,13 @@
+//! `veribound check`: what a model file was understood to say.
+
+use super::arguments::Check;
+use super::ending::Ending;
+use super::{Outcome, message};
+use veribound_model::Model;
+
+/// Reads the model and describes it.
+pub fn run(arguments: &Check) -> Outcome {
+    let model = Model::from_file(&arguments.model)?;
+    message::say(&model.describe());
+    Ok(Ending::Done)
+}

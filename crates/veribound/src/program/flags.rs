@@ -1,0 +1,264 @@
+//! Values of flags: one type for each, with its grammar.
+
+use std::ops::Range;
+use std::str::FromStr;
+use veribound_interval::Decimal;
+
+/// A number on the command line, taken as the decimal it spells.
+pub fn decimal(text: &str) -> Result<Decimal, String> {
+    Decimal::parse(text).map_err(|error| error.to_string())
+}
+
+/// A setting that is a number above zero.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 0.0 && value.is_finite() => Ok(value),
+        _ => Err("expected a number above 0".to_owned()),
+    }
+}
+
+/// A setting that is a number from zero on.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value >= 0.0 && value.is_finite() => Ok(value),
+        _ => Err("expected a number from 0 on".to_owned()),
+    }
+}
+
+/// `VARIABLE=COLUMN`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ColumnFlag {
+    /// Variable of the model.
+    pub variable: String,
+    /// Column of the record.
+    pub column: String,
+}
+
+impl FromStr for ColumnFlag {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once('=') {
+            Some((variable, column)) if !variable.trim().is_empty() && !column.trim().is_empty() => {
+                Ok(ColumnFlag {
+                    variable: variable.trim().to_owned(),
+                    column: column.trim().to_owned(),
+                })
+            }
+            _ => Err("expected VARIABLE=COLUMN, as in phi_m=angle_rad".to_owned()),
+        }
+    }
+}
+
+/// `PARAM@SIGNAL`, `PARAM@SIGNAL:SECONDS` or `PARAM@EVENT`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResetFlag {
+    /// As typed.
+    pub text: String,
+    /// Where the parameter's name is in it.
+    pub param: Range<usize>,
+    /// Where the name of the signal or event is in it.
+    pub trigger: Range<usize>,
+    /// How long the signal must have been true.
+    pub lasts: Option<Decimal>,
+}
+
+impl FromStr for ResetFlag {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wanted = "expected PARAM@SIGNAL:SECONDS, as in T_Fs@still:0.2";
+        let at = text.find('@').ok_or(wanted)?;
+        let end = text.rfind(':').filter(|colon| *colon > at).unwrap_or(text.len());
+        let lasts = match text.get(end + 1..) {
+            None => None,
+            Some(seconds) => {
+                let seconds = decimal(seconds)?;
+                if seconds.is_negative() {
+                    return Err("a signal cannot last for less than 0 s".to_owned());
+                }
+                Some(seconds)
+            }
+        };
+        if at == 0 || end == at + 1 {
+            return Err(wanted.to_owned());
+        }
+        Ok(ResetFlag { text: text.to_owned(), param: 0..at, trigger: at + 1..end, lasts })
+    }
+}
+
+/// `INPUT=10%` or `INPUT=0.02`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InputErrorFlag {
+    /// As typed.
+    pub text: String,
+    /// Name of the input.
+    pub input: String,
+    /// The bound, a share for a relative one.
+    pub bound: Decimal,
+    /// Whether the bound is a share of the recorded value.
+    pub is_relative: bool,
+}
+
+impl FromStr for InputErrorFlag {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wanted = "expected INPUT=BOUND, as in u=10% or u=0.02";
+        let (input, bound) = text.split_once('=').ok_or(wanted)?;
+        let (input, bound) = (input.trim(), bound.trim());
+        if input.is_empty() {
+            return Err(wanted.to_owned());
+        }
+        let number = bound.strip_suffix('%').map(str::trim_end);
+        let is_relative = number.is_some();
+        let number = number.unwrap_or(bound);
+        decimal(number)?;
+        // A percent sign is two decimal places, exactly.
+        let spelled = match number.split_once(['e', 'E']) {
+            _ if !is_relative => number.to_owned(),
+            None => format!("{number}e-2"),
+            Some(_) => return Err("write percent without an exponent, as in 10%".to_owned()),
+        };
+        let bound = decimal(&spelled)?;
+        if bound.is_negative() {
+            return Err("an error bound cannot be negative".to_owned());
+        }
+        Ok(InputErrorFlag { text: text.to_owned(), input: input.to_owned(), bound, is_relative })
+    }
+}
+
+/// `T0..T1`, `auto` or `off`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ZoomFlag {
+    /// The program chooses.
+    Auto,
+    /// No enlargement.
+    Off,
+    /// From the first to the second time.
+    Window(Decimal, Decimal),
+}
+
+impl FromStr for ZoomFlag {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => return Ok(ZoomFlag::Auto),
+            "off" => return Ok(ZoomFlag::Off),
+            _ => {}
+        }
+        let wanted = "expected FROM..TO in seconds, as in 32.6..32.9, or auto, or off";
+        let (from, to) = text.split_once("..").ok_or(wanted)?;
+        let (from, to) = (decimal(from)?, decimal(to)?);
+        if from >= to {
+            return Err("the first time must be before the second".to_owned());
+        }
+        Ok(ZoomFlag::Window(from, to))
+    }
+}
+
+/// `NAME=VALUE,NAME=VALUE`: one entry of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Assignment {
+    /// Name of the quantity.
+    pub name: String,
+    /// Its value.
+    pub value: Decimal,
+}
+
+impl FromStr for Assignment {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wanted = "expected NAME=VALUE, as in alpha=-2";
+        let (name, value) = text.split_once('=').ok_or(wanted)?;
+        if name.trim().is_empty() {
+            return Err(wanted.to_owned());
+        }
+        Ok(Assignment { name: name.trim().to_owned(), value: decimal(value.trim())? })
+    }
+}
+
+/// `BOUND` or `worst`.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ErrorFlag {
+    /// Errors anywhere inside this bound.
+    Within(Decimal),
+    /// Errors at the end of the model's bound, with random signs.
+    Worst,
+}
+
+impl FromStr for ErrorFlag {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "worst" {
+            return Ok(ErrorFlag::Worst);
+        }
+        let bound = decimal(text)?;
+        if bound.is_negative() {
+            return Err("an error bound cannot be negative".to_owned());
+        }
+        Ok(ErrorFlag::Within(bound))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn number(text: &str) -> Decimal {
+        Decimal::parse(text).unwrap()
+    }
+
+    #[test]
+    fn a_reset_names_parameter_trigger_and_time() {
+        let flag: ResetFlag = "T_Fs@still:0.2".parse().unwrap();
+        assert_eq!(&flag.text[flag.param.clone()], "T_Fs");
+        assert_eq!(&flag.text[flag.trigger.clone()], "still");
+        assert_eq!(flag.lasts, Some(number("0.2")));
+        let flag: ResetFlag = "T_Fs@standstill".parse().unwrap();
+        assert_eq!(&flag.text[flag.trigger.clone()], "standstill");
+        assert_eq!(flag.lasts, None);
+        for wrong in ["T_Fs", "@still", "T_Fs@", "T_Fs@:1", "T_Fs@still:", "T_Fs@still:-1"] {
+            assert!(wrong.parse::<ResetFlag>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn percent_is_exact() {
+        let flag: InputErrorFlag = "u=10%".parse().unwrap();
+        assert!(flag.is_relative);
+        assert_eq!(flag.bound, number("0.1"));
+        let flag: InputErrorFlag = "u = 0.02".parse().unwrap();
+        assert!(!flag.is_relative);
+        assert_eq!(flag.bound, number("0.02"));
+        for wrong in ["u", "=1", "u=x", "u=-1%", "u=1e1%", "u=nan", "u=%"] {
+            assert!(wrong.parse::<InputErrorFlag>().is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn a_window_runs_forward() {
+        let window = ZoomFlag::Window(number("32.6"), number("32.9"));
+        assert_eq!("32.6..32.9".parse::<ZoomFlag>(), Ok(window));
+        assert_eq!("auto".parse::<ZoomFlag>(), Ok(ZoomFlag::Auto));
+        assert!("2..1".parse::<ZoomFlag>().is_err());
+        assert!("2-3".parse::<ZoomFlag>().is_err());
+    }
+
+    #[test]
+    fn values_and_errors_are_decimals() {
+        let one: Assignment = "alpha=-2".parse().unwrap();
+        assert_eq!((one.name.as_str(), one.value), ("alpha", number("-2")));
+        assert!("alpha=two".parse::<Assignment>().is_err());
+        assert_eq!("worst".parse::<ErrorFlag>(), Ok(ErrorFlag::Worst));
+        assert!("-0.1".parse::<ErrorFlag>().is_err());
+        assert_eq!(
+            "phi_m=angle".parse::<ColumnFlag>().unwrap(),
+            ColumnFlag { variable: "phi_m".into(), column: "angle".into() }
+        );
+        assert!("phi_m".parse::<ColumnFlag>().is_err());
+    }
+}

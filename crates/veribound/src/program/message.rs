@@ -1,0 +1,53 @@
+//! What the program says: results to stdout, talk to stderr.
+
+use std::io::{self, IsTerminal, Write};
+use std::ops::Range;
+use std::sync::Arc;
+use veribound_model::diagnostic::{Diagnostic, Diagnostics, SourceText};
+
+/// Writes a result to stdout. A reader that has gone away (`veribound check x | head`) is no error.
+pub fn say(text: &str) {
+    let mut out = io::stdout().lock();
+    let _ = out.write_all(text.as_bytes());
+    if !text.ends_with('\n') {
+        let _ = out.write_all(b"\n");
+    }
+    let _ = out.flush();
+}
+
+/// Writes a remark to stderr.
+pub fn remark(text: &str) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// Writes problems to stderr, in colour on a terminal.
+pub fn complain(problems: &Diagnostics) {
+    let color = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let _ = io::stderr().lock().write_all(problems.render(color).as_bytes());
+}
+
+/// A problem with the value of a flag, shown as it was typed.
+pub fn flag_problem(
+    code: &'static str,
+    message: impl Into<String>,
+    (flag, value, part): (&str, &str, Range<usize>),
+    label: &str,
+    help: impl Into<String>,
+) -> Diagnostic {
+    let typed = format!("{flag} {value}");
+    let start = flag.len() + 1;
+    let source = Arc::new(SourceText::new("command line", typed));
+    Diagnostic::new(code, message)
+        .at(&source, start + part.start..start + part.end, label)
+        .help(help)
+}
+
+/// `a`, `b` and `c`.
+pub fn list<'n>(names: impl IntoIterator<Item = &'n str>) -> String {
+    let quoted: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
+    match quoted.as_slice() {
+        [] => "none".to_owned(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} and {last}", first.join(", ")),
+    }
+}

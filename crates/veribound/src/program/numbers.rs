@@ -1,0 +1,124 @@
+//! Bounds as text for people: rounded outward, and no more digits than tell something.
+
+use veribound_interval::{Decimal, Interval, round, text};
+
+/// Digits with which every bound can be printed well enough.
+const MOST_DIGITS: usize = 15;
+
+/// Both ends, rounded outward with the fewest digits that widen the interval by at most 2 %.
+pub fn readable(bounds: Interval) -> (String, String) {
+    let allowed = bounds.width() * 1.02;
+    let ends = |digits| (text::lower(bounds.lo(), digits), text::upper(bounds.hi(), digits));
+    let fits = |(lo, hi): &(String, String)| {
+        enclosed(lo).zip(enclosed(hi)).is_none_or(|(lo, hi)| hi.hull(lo).width() <= allowed)
+    };
+    (3..MOST_DIGITS).map(ends).find(fits).unwrap_or_else(|| ends(MOST_DIGITS))
+}
+
+/// The interval as text: `[lo, hi]`, rounded outward.
+pub fn show(bounds: Interval) -> String {
+    if bounds.is_empty() {
+        return "none".to_owned();
+    }
+    let (lo, hi) = readable(bounds);
+    if lo == hi { lo } else { format!("[{lo}, {hi}]") }
+}
+
+/// A prior as the user spelled it.
+pub fn show_prior(prior: Interval) -> String {
+    let (lo, hi) = spelled(prior);
+    if lo == hi { lo } else { format!("[{lo}, {hi}]") }
+}
+
+/// What is proved to lie in `bounds` and, by the user's word, in `prior`: an end at which nothing was
+/// cut off is the prior's own.
+pub fn show_inside(bounds: Interval, prior: Interval) -> String {
+    if bounds.is_empty() {
+        return "none".to_owned();
+    }
+    let (mut lo, mut hi) = readable(bounds);
+    let (prior_lo, prior_hi) = spelled(prior);
+    if bounds.lo() == prior.lo() {
+        lo = prior_lo;
+    }
+    if bounds.hi() == prior.hi() {
+        hi = prior_hi;
+    }
+    if lo == hi { lo } else { format!("[{lo}, {hi}]") }
+}
+
+/// By how much `bounds` are narrower than `prior`, as a percentage rounded down; none where the prior
+/// is a point or unbounded.
+pub fn shrink(bounds: Interval, prior: Interval) -> Option<String> {
+    let whole = round::sub_down(prior.hi(), prior.lo());
+    if bounds.is_empty() || !prior.is_bounded() || whole <= 0.0 {
+        return None;
+    }
+    let share = round::sub_down(1.0, round::div_up(bounds.width(), whole)).max(0.0);
+    let percent = round::mul_down(share, 100.0);
+    let decimals = match percent {
+        p if p < 99.0 => 0,
+        p if p < 99.9 => 1,
+        _ => 3,
+    };
+    let scale = 10_f64.powi(decimals);
+    let shown = (percent * scale).floor() / scale;
+    Some(format!("{shown:.*} %", decimals as usize))
+}
+
+/// The two decimals that the user wrote and that were read as `read`: an end of few digits is the
+/// only such decimal that is read as exactly that float. Longer ends are rounded outward.
+fn spelled(read: Interval) -> (String, String) {
+    let lo = (1..=MOST_DIGITS)
+        .map(|digits| text::upper(read.lo(), digits))
+        .find(|text| enclosed(text).is_some_and(|end| end.lo() == read.lo()));
+    let hi = (1..=MOST_DIGITS)
+        .map(|digits| text::lower(read.hi(), digits))
+        .find(|text| enclosed(text).is_some_and(|end| end.hi() == read.hi()));
+    (
+        lo.unwrap_or_else(|| text::lower(read.lo(), MOST_DIGITS)),
+        hi.unwrap_or_else(|| text::upper(read.hi(), MOST_DIGITS)),
+    )
+}
+
+fn enclosed(text: &str) -> Option<Interval> {
+    Decimal::parse(text).ok().map(|decimal| decimal.to_interval())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn between(lo: &str, hi: &str) -> Interval {
+        enclosed(lo).unwrap().hull(enclosed(hi).unwrap())
+    }
+
+    #[test]
+    fn few_digits_and_still_outward() {
+        assert_eq!(show(Interval::new(-2.652_81, -1.537_49).unwrap()), "[-2.66, -1.53]");
+        assert_eq!(show(Interval::new(199.9912, 200.0151).unwrap()), "[199.9911, 200.0152]");
+        assert_eq!(show(Interval::EMPTY), "none");
+        assert_eq!(show(Interval::ENTIRE), "[-inf, inf]");
+        assert_eq!(show(Interval::ZERO), "0");
+    }
+
+    #[test]
+    fn priors_are_shown_as_they_were_written() {
+        let prior = between("-6", "-0.05");
+        assert_eq!(show_prior(prior), "[-6, -0.05]");
+        let cut = Interval::new(-2.5, prior.hi()).unwrap();
+        assert_eq!(show_inside(cut, prior), "[-2.5, -0.05]");
+    }
+
+    #[test]
+    fn a_shrink_is_never_too_large() {
+        let prior = between("0", "0.3");
+        assert_eq!(shrink(between("0.14", "0.16"), prior).as_deref(), Some("93 %"));
+        assert_eq!(shrink(prior, prior).as_deref(), Some("0 %"));
+        let prior = Interval::new(0.0, 1000.0).unwrap();
+        let narrow = Interval::new(1.0, 1.0006).unwrap();
+        assert_eq!(shrink(narrow, prior).as_deref(), Some("99.999 %"));
+        assert_eq!(shrink(narrow, Interval::ONE), None);
+        assert_eq!(shrink(Interval::EMPTY, prior), None);
+    }
+}

@@ -1,0 +1,260 @@
+//! `veribound observe`: from a model file and a record to proved bounds.
+
+use super::arguments::{Format, Observe};
+use super::ending::Ending;
+use super::files::{Files, RunSummary, figure_meta};
+use super::flags::ZoomFlag;
+use super::interrupt::Interrupt;
+use super::{Outcome, assumptions, message, overlay, run_info, table, verdict};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::time::Instant;
+use veribound_data::{
+    ParameterSummary, Record, RecordOptions, ResultFolder, Start, StateSummary, Summary, Work,
+};
+use veribound_estimate::{Estimate, Observer, Refutation, Undecided, Verdict};
+use veribound_interval::{Decimal, Interval};
+use veribound_model::diagnostic::{Diagnostic, Diagnostics};
+use veribound_model::{Model, Sample};
+use veribound_report::Zoom;
+
+/// What a run came to.
+pub struct Findings {
+    /// How it ended.
+    pub ending: Ending,
+    /// The last estimate and its time; none when not even the first sample was decided.
+    pub last: Option<(Decimal, Estimate)>,
+    /// The proof that model and record contradict each other.
+    pub refutation: Option<Refutation>,
+    /// Why the run stopped without a proof.
+    pub undecided: Option<Undecided>,
+    /// For every parameter the time of its last reset.
+    pub resets: Vec<Option<Decimal>>,
+    /// Samples after which the model was not refuted.
+    pub samples: usize,
+    /// What it cost.
+    pub work: Work,
+}
+
+/// Observes. Everything that can be wrong with the input is found before anything is written.
+pub fn run(arguments: &Observe) -> Outcome {
+    let interrupt = Interrupt::listen();
+    // [1/4] Input: model, flags, record, earlier runs.
+    let mut model = Model::from_file(&arguments.model)?;
+    let mut said = assumptions::weaken(&mut model, &arguments.assumptions)?;
+    let record = open_record(arguments, &model)?;
+    let mut observer = Observer::new(&model, arguments.method.options());
+    let start = match &arguments.assumptions.start_from {
+        Some(folder) => Some(start_from(folder, &model, &mut observer, &mut said)?),
+        None => None,
+    };
+    let zoom = match &arguments.showing.zoom {
+        ZoomFlag::Auto => Zoom::Auto,
+        ZoomFlag::Off => Zoom::Off,
+        ZoomFlag::Window(from, to) => {
+            Zoom::Window(from.to_interval().mid(), to.to_interval().mid())
+        }
+    };
+    let meta = figure_meta(&model, zoom, sample_time_ms(&record));
+    let other = arguments.showing.overlay.as_deref();
+    let other = other.map(|folder| overlay::read(folder, &model, &meta)).transpose()?;
+    let run_info = run_info::of(arguments, &record, start.as_ref(), &said)?;
+    if !arguments.showing.quiet {
+        said.iter().for_each(|change| message::remark(&format!("note: {change}")));
+        record.warnings().iter().for_each(|text| message::remark(&format!("warning: {text}")));
+    }
+
+    // [2/4] The record, sample by sample.
+    let folder = ResultFolder::create(&arguments.output)?;
+    let mut files = Files::create(&model, folder, meta)?;
+    let bar = progress(&record, arguments.showing.quiet);
+    let found = follow(&record, &model, &mut observer, &mut files, (&interrupt, &bar));
+    bar.finish_and_clear();
+    let found = found?;
+
+    // [3/4] The files.
+    if let Some(refutation) = &found.refutation {
+        files.refuted_at(&refutation.time);
+    }
+    let end = found.last.as_ref().map_or(record.first(), |(time, _)| time);
+    let cells = if found.refutation.is_some() { &[] } else { observer.cells() };
+    files.boxes(end, cells)?;
+    run_info.write(files.folder())?;
+    let summary = RunSummary {
+        summary: summary(&model, &found),
+        interrupted: found.ending == Ending::Interrupted,
+        assumptions: said,
+    };
+    let formats = &arguments.showing.figures;
+    let json = files.finish(formats, other.as_ref(), &summary)?;
+
+    // [4/4] What the user is told.
+    verdict::explain(&model, &record, &found, !arguments.showing.quiet);
+    if arguments.showing.json {
+        message::say(&json);
+    } else if !arguments.showing.quiet {
+        let figures = !formats.contains(&Format::None) && !formats.is_empty();
+        message::say(&table::of(&model, &record, &found, (&arguments.output, figures)));
+    }
+    Ok(found.ending)
+}
+
+fn open_record(arguments: &Observe, model: &Model) -> Result<Record, Diagnostics> {
+    let reading = &arguments.reading;
+    let columns = reading.column.iter();
+    let options = RecordOptions {
+        time: reading.time.clone(),
+        columns: columns.map(|flag| (flag.variable.clone(), flag.column.clone())).collect(),
+        from: reading.from.clone(),
+        to: reading.to.clone(),
+    };
+    Record::open(&arguments.record, model, options)
+}
+
+/// Puts the boxes of an earlier run into the observer; gives the `summary.json` they come from.
+fn start_from(
+    folder: &PathBuf,
+    model: &Model,
+    observer: &mut Observer,
+    said: &mut Vec<String>,
+) -> Result<PathBuf, Diagnostic> {
+    let start = Start::read(folder, model)?;
+    let boxes = if start.boxes.is_empty() { vec![start.params] } else { start.boxes };
+    if !observer.start_from(&boxes) {
+        let shown = folder.display();
+        let message = format!("no box of the run in `{shown}` lies inside the priors of the model");
+        return Err(Diagnostic::new("E0606", message)
+            .help("start from a run of a model with priors that overlap these"));
+    }
+    let mut change = format!(
+        "the parameters lie in the {} boxes that the run in {} left (--start-from)",
+        boxes.len(),
+        folder.display()
+    );
+    let resettable = |at: usize| {
+        model.signals.iter().any(|signal| signal.resets.iter().any(|reset| reset.param == at))
+    };
+    let names: Vec<&str> = (model.params.iter().enumerate())
+        .filter(|(at, _)| resettable(*at))
+        .map(|(_, param)| param.name.as_str())
+        .collect();
+    if !names.is_empty() {
+        let names = message::list(names);
+        change.push_str(&format!("; not taken for {names}, which can be reset"));
+    }
+    said.push(change);
+    Ok(start.summary)
+}
+
+/// The average time between two samples.
+fn sample_time_ms(record: &Record) -> Option<f64> {
+    let whole = (record.last() - record.first()).to_interval().mid();
+    (record.len() > 1).then(|| whole / (record.len() - 1) as f64 * 1e3)
+}
+
+/// A bar on stderr; none where nobody watches.
+fn progress(record: &Record, quiet: bool) -> ProgressBar {
+    let target = if quiet || !std::io::stderr().is_terminal() {
+        ProgressDrawTarget::hidden()
+    } else {
+        ProgressDrawTarget::stderr_with_hz(5)
+    };
+    let bar = ProgressBar::with_draw_target(Some(record.len() as u64), target);
+    let form = "  {msg} [{bar:24}] {pos} of {len} samples, {eta} left";
+    if let Ok(style) = ProgressStyle::with_template(form) {
+        bar.set_style(style.progress_chars("##-"));
+    }
+    bar
+}
+
+/// Steps the observer through the record.
+fn follow(
+    record: &Record,
+    model: &Model,
+    observer: &mut Observer,
+    files: &mut Files,
+    (interrupt, bar): (&Interrupt, &ProgressBar),
+) -> Result<Findings, Diagnostics> {
+    let started = Instant::now();
+    let mut found = Findings {
+        ending: Ending::Done,
+        last: None,
+        refutation: None,
+        undecided: None,
+        resets: vec![None; model.params.len()],
+        samples: 0,
+        work: Work::default(),
+    };
+    for sample in record.samples()? {
+        if interrupt.is_asked() {
+            found.ending = Ending::Interrupted;
+            break;
+        }
+        let sample: Sample = sample?;
+        let begun = Instant::now();
+        let verdict = observer.step(&sample).map_err(|misuse| changed(record, &misuse))?;
+        let seconds = begun.elapsed().as_secs_f64();
+        found.work.worst_sample_s = found.work.worst_sample_s.max(seconds);
+        match verdict {
+            Verdict::Consistent(estimate) => {
+                files.sample(&sample, &estimate, seconds)?;
+                for (last, is_reset) in found.resets.iter_mut().zip(&estimate.resets) {
+                    if *is_reset {
+                        *last = Some(sample.time.clone());
+                    }
+                }
+                found.samples += 1;
+                found.last = Some((sample.time, estimate));
+                bar.inc(1);
+            }
+            Verdict::Inconsistent(refutation) => {
+                found.ending = Ending::Inconsistent;
+                found.refutation = Some(refutation);
+                break;
+            }
+            Verdict::Undecided(undecided) => {
+                found.ending = Ending::Undecided;
+                found.undecided = Some(undecided);
+                break;
+            }
+        }
+    }
+    found.work.wall_s = started.elapsed().as_secs_f64();
+    found.work.box_steps = observer.box_steps();
+    found.work.boxes_max = observer.boxes_max();
+    Ok(found)
+}
+
+/// The record was checked before; a sample that does not fit now means that it was changed.
+fn changed(record: &Record, misuse: &veribound_estimate::Misuse) -> Diagnostic {
+    let name = record.path().display();
+    Diagnostic::new("E0417", format!("`{name}` was changed while it was read: {misuse}"))
+        .help("run again when nothing writes to the record")
+}
+
+fn summary(model: &Model, found: &Findings) -> Summary {
+    let refuted = found.refutation.is_some();
+    let last = found.last.as_ref().map(|(_, estimate)| estimate);
+    let known = |bounds: Option<&Interval>, before: Interval| {
+        if refuted { Interval::EMPTY } else { bounds.copied().unwrap_or(before) }
+    };
+    let params = model.params.iter().enumerate().map(|(at, param)| {
+        let bounds = known(last.and_then(|last| last.params.get(at)), param.bounds);
+        (param.name.clone(), ParameterSummary::new(param, bounds))
+    });
+    let states = model.states.iter().enumerate().map(|(at, state)| {
+        let bounds = known(last.and_then(|last| last.states.get(at)), state.init);
+        (state.name.clone(), StateSummary::new(state, bounds))
+    });
+    let (verdict, reason) = verdict::in_words(model, found);
+    Summary {
+        verdict,
+        reason,
+        refutation: found.refutation.as_ref().map(|refutation| verdict::entry(model, refutation)),
+        samples: found.samples,
+        parameters: params.collect(),
+        states: states.collect(),
+        work: found.work,
+    }
+}

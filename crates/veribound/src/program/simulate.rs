@@ -1,0 +1,297 @@
+//! `veribound simulate`: a record whose errors are proved to stay inside their bounds.
+
+use super::arguments::Simulate;
+use super::ending::Ending;
+use super::flags::{Assignment, ErrorFlag};
+use super::message::{flag_problem, list, remark};
+use super::noise::{Noise, Written};
+use super::profile::{Profile, Stretch};
+use super::{Outcome, numbers};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::Path;
+use veribound::{Simulation, Stopped};
+use veribound_data::ResultFolder;
+use veribound_interval::{Decimal, Interval, round};
+use veribound_model::diagnostic::{Diagnostic, Diagnostics};
+use veribound_model::{ErrorBound, ExprId, Model, Output, Var};
+
+/// The enclosure and the rounding to decimals may take this share of an error bound; more, and the
+/// record would be made of the method's width instead of the asked errors.
+const LARGEST_SLACK: f64 = 0.1;
+
+/// A parameter that takes a new value.
+struct Change {
+    time: Decimal,
+    param: usize,
+    value: Decimal,
+}
+
+/// Simulates, and writes the record when all of it is proved.
+pub fn run(arguments: &Simulate) -> Outcome {
+    let model = Model::from_file(&arguments.model)?;
+    let params = params(&model, &arguments.params)?;
+    let start = start(&model, &arguments.start)?;
+    let changes = changes(&model, &arguments.change)?;
+    let profile = Profile::read(arguments, &model)?;
+    let mut text = header(arguments, &model);
+    let mut simulation = Simulation::new(&model, &params, &start, arguments.steps);
+    let mut noise = Noise::new(arguments.seed, arguments.decimals);
+    let mut open = changes.into_iter().peekable();
+    for stretch in profile.stretches() {
+        let Stretch { time, texts, inputs, to_next } = stretch?;
+        while let Some(change) = open.next_if(|change| change.time <= time) {
+            simulation.change(change.param, change.value.to_interval());
+        }
+        let now = Now { model: &model, simulation: &simulation, inputs: &inputs };
+        // Writing to a String cannot fail.
+        let _ = write!(text, "{time}");
+        texts.iter().for_each(|value| drop(write!(text, ",{value}")));
+        for output in &model.outputs {
+            let written = now.measure(output, &time, arguments.error.as_ref(), &mut noise)?;
+            let _ = write!(text, ",{written}");
+        }
+        for signal in &model.signals {
+            // Standing still is claimed only where it is proved; a 0 claims nothing.
+            let proved = !signal.proves_zero.is_empty()
+                && signal.proves_zero.iter().all(|expr| now.value(*expr) == Interval::ZERO);
+            let _ = write!(text, ",{}", u8::from(proved));
+        }
+        text.push('\n');
+        if let Some(dt) = to_next {
+            simulation.advance(&inputs, dt.to_interval()).map_err(|stopped| too_wide(&time, &stopped))?;
+        }
+    }
+    write_record(&arguments.output, &text)?;
+    Ok(Ending::Done)
+}
+
+/// What is known at one sample.
+struct Now<'s> {
+    model: &'s Model,
+    simulation: &'s Simulation,
+    inputs: &'s [Interval],
+}
+
+impl Now<'_> {
+    fn value(&self, expr: ExprId) -> Interval {
+        self.model.graph.eval_interval(expr, &|var| {
+            let found = match var {
+                Var::State(i) => self.simulation.states().get(i),
+                Var::Param(i) => self.simulation.params().get(i),
+                Var::Input(i) => self.inputs.get(i),
+            };
+            found.copied().unwrap_or(Interval::ENTIRE)
+        })
+    }
+
+    /// A value of the output with an error, as it is written.
+    ///
+    /// Guarantee: the difference to the true output is at most the asked error, and the bound of the
+    /// model holds; both are checked on the decimal that is written.
+    fn measure(
+        &self,
+        output: &Output,
+        time: &Decimal,
+        error: Option<&ErrorFlag>,
+        noise: &mut Noise,
+    ) -> Result<Written, Diagnostic> {
+        let value = self.value(output.expr);
+        let size = size_of(&output.error, value);
+        let bound = match error {
+            Some(ErrorFlag::Within(bound)) => bound.to_interval().lo(),
+            Some(ErrorFlag::Worst) | None => size,
+        };
+        let slack = round::add_up(value.rad(), noise.rounding());
+        let allowed = LARGEST_SLACK * if bound > 0.0 { bound } else { size };
+        if slack.is_nan() || slack > allowed {
+            return Err(imprecise(output, time, value, noise.decimals()));
+        }
+        let reach = (bound - slack).max(0.0);
+        let share = if error == Some(&ErrorFlag::Worst) { noise.sign() } else { noise.share() };
+        let written = noise.write(value.mid() + share * reach);
+        let within = bound.max(slack);
+        let is_near = (written.exact() - value).mag() <= within;
+        if !is_near || !value.is_subset_of(output.error.enclose(written.exact())) {
+            return Err(not_allowed(output, time, bound));
+        }
+        Ok(written)
+    }
+}
+
+/// A size that errors may surely have, for every value in `value`.
+fn size_of(bound: &ErrorBound, value: Interval) -> f64 {
+    let absolute = bound.absolute.to_interval().lo();
+    // The share is of the recorded value, which lies nearer to zero by at most the error itself.
+    let relative = bound.relative.to_interval();
+    let relative = (relative / (Interval::ONE + relative)).lo() * value.mig();
+    (absolute + relative) * (1.0 - f64::EPSILON * 4.0)
+}
+
+fn params(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnostics> {
+    let names: Vec<&str> = model.params.iter().map(|param| param.name.as_str()).collect();
+    let values = assigned(("--params", "parameter"), &names, given)?;
+    let missing = names.iter().zip(&values).filter(|(_, value)| value.is_none());
+    let missing: Vec<&str> = missing.map(|(name, _)| *name).collect();
+    if !missing.is_empty() {
+        let message = format!("no value is given for {}", list(missing.iter().copied()));
+        let example: Vec<String> = missing.iter().map(|name| format!("{name}=VALUE")).collect();
+        return Err(Diagnostic::new("E0607", message)
+            .help(format!("add `--params {}`", example.join(",")))
+            .into());
+    }
+    Ok(values.into_iter().flatten().map(|value| value.to_interval()).collect())
+}
+
+fn start(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnostics> {
+    let names: Vec<&str> = model.states.iter().map(|state| state.name.as_str()).collect();
+    let values = assigned(("--start", "state"), &names, given)?;
+    let mut start = Vec::new();
+    for (state, value) in model.states.iter().zip(values) {
+        // One decimal fills at most two neighbouring floats.
+        let is_known = state.init.is_point() || state.init.lo().next_up() == state.init.hi();
+        match value {
+            Some(value) => start.push(value.to_interval()),
+            None if is_known => start.push(state.init),
+            None => {
+                let init = numbers::show_prior(state.init);
+                let message = format!("the state `{}` starts anywhere in {init}", state.name);
+                return Err(Diagnostic::new("E0607", message)
+                    .help(format!("say where, as in `--start {}=0`", state.name))
+                    .into());
+            }
+        }
+    }
+    Ok(start)
+}
+
+/// The values of `names` in the list, each given at most once.
+fn assigned(
+    (flag, kind): (&str, &str),
+    names: &[&str],
+    given: &[Assignment],
+) -> Result<Vec<Option<Decimal>>, Diagnostic> {
+    let mut values = vec![None; names.len()];
+    for Assignment { name, value } in given {
+        let typed = format!("{name}={value}");
+        let place = (flag, typed.as_str(), 0..name.len());
+        let Some(slot) = names.iter().position(|known| known == name).and_then(|at| values.get_mut(at))
+        else {
+            let message = format!("the model has no {kind} `{name}`");
+            let help = format!("it has {}", list(names.iter().copied()));
+            return Err(flag_problem("E0601", message, place, "unknown", help));
+        };
+        if slot.replace(value.clone()).is_some() {
+            let message = format!("the {kind} `{name}` is given twice");
+            return Err(flag_problem("E0608", message, place, "once more", "give it once"));
+        }
+    }
+    Ok(values)
+}
+
+/// `SECONDS:NAME=VALUE`, in the order of time.
+fn changes(model: &Model, given: &[String]) -> Result<Vec<Change>, Diagnostic> {
+    let mut changes = Vec::new();
+    for text in given {
+        let read = text.split_once(':').and_then(|(time, rest)| {
+            Decimal::parse(time).ok().zip(rest.parse::<Assignment>().ok())
+        });
+        let whole = ("--change", text.as_str(), 0..text.len());
+        let Some((time, Assignment { name, value })) = read else {
+            let help = "write SECONDS:NAME=VALUE, as in 40:T_Fs=0.2";
+            let message = format!("`{text}` does not say when which parameter changes");
+            return Err(flag_problem("E0608", message, whole, "not understood", help));
+        };
+        let Some(param) = model.params.iter().position(|param| param.name == name) else {
+            let known = list(model.params.iter().map(|param| param.name.as_str()));
+            let message = format!("the model has no parameter `{name}`");
+            return Err(flag_problem("E0601", message, whole, "unknown", format!("it has {known}")));
+        };
+        changes.push(Change { time, param, value });
+    }
+    changes.sort_by(|a, b| a.time.cmp(&b.time));
+    Ok(changes)
+}
+
+/// The comment that repeats the record, and the names of the columns.
+fn header(arguments: &Simulate, model: &Model) -> String {
+    let assignments = |list: &[Assignment]| {
+        let each = list.iter().map(|one| format!("{}={}", one.name, one.value));
+        each.collect::<Vec<_>>().join(",")
+    };
+    let file = |path: &Path| {
+        path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned())
+    };
+    let mut line = format!("# veribound simulate {}", file(&arguments.model));
+    let mut flag = |name: &str, value: String| drop(write!(line, " --{name} {value}"));
+    flag("params", assignments(&arguments.params));
+    if !arguments.start.is_empty() {
+        flag("start", assignments(&arguments.start));
+    }
+    arguments.change.iter().for_each(|change| flag("change", change.clone()));
+    if let Some(input) = &arguments.input {
+        flag("input", file(input));
+    }
+    for (name, time) in [("until", &arguments.until), ("every", &arguments.every)] {
+        if let Some(time) = time {
+            flag(name, time.to_string());
+        }
+    }
+    match &arguments.error {
+        Some(ErrorFlag::Within(bound)) => flag("error", bound.to_string()),
+        Some(ErrorFlag::Worst) => flag("error", "worst".to_owned()),
+        None => {}
+    }
+    flag("seed", arguments.seed.to_string());
+    flag("decimals", arguments.decimals.to_string());
+    flag("steps", arguments.steps.to_string());
+    let column = |name: &str, own: Option<&String>, unit: &str| {
+        let name = own.map_or(name, String::as_str);
+        if unit.is_empty() || name.contains('[') { name.to_owned() } else { format!("{name} [{unit}]") }
+    };
+    let mut columns = vec!["t [s]".to_owned()];
+    let inputs = model.inputs.iter().map(|x| column(&x.name, x.column.as_ref(), &x.unit));
+    let outputs = model.outputs.iter().map(|y| column(&y.name, y.column.as_ref(), &y.unit));
+    let signals = model.signals.iter().map(|s| column(&s.name, s.column.as_ref(), ""));
+    columns.extend(inputs.chain(outputs).chain(signals));
+    format!("{line}\n{}\n", columns.join(","))
+}
+
+fn write_record(path: &Path, text: &str) -> Result<(), Diagnostic> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = ResultFolder::create(folder.unwrap_or(Path::new(".")))?;
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let Some(name) = name else {
+        let message = format!("`{}` is no name of a file", path.display());
+        return Err(Diagnostic::new("E0608", message).help("name the record, as in `-o record.csv`"));
+    };
+    let mut file = folder.file(&name)?;
+    file.write_all(text.as_bytes()).map_err(|error| file.refuse(&error))?;
+    file.finish()?;
+    remark(&format!("  {} lines in {}", text.lines().count(), path.display()));
+    Ok(())
+}
+
+fn too_wide(time: &Decimal, stopped: &Stopped) -> Diagnostic {
+    Diagnostic::new("E0609", format!("the simulation stopped at t = {time} s: {stopped}"))
+        .help("use more internal steps with `--steps`, or stop earlier with `--until`")
+}
+
+fn imprecise(output: &Output, time: &Decimal, value: Interval, decimals: usize) -> Diagnostic {
+    let message = format!(
+        "at t = {time} s `{}` is known to lie in {} only; written with {decimals} decimals this \
+         takes too much of its error bound",
+        output.name,
+        numbers::show(value)
+    );
+    Diagnostic::new("E0609", message)
+        .help("use more internal steps (`--steps`) or decimals (`--decimals`), or a larger `--error`")
+}
+
+fn not_allowed(output: &Output, time: &Decimal, bound: f64) -> Diagnostic {
+    let message = format!(
+        "at t = {time} s an error of `{}` up to {bound} is more than the model allows",
+        output.name
+    );
+    Diagnostic::new("E0610", message).help("choose a smaller `--error`")
+}

@@ -1,0 +1,89 @@
+//! The short table at the end of an observation.
+
+use super::ending::Ending;
+use super::numbers::{show_inside, show_prior, shrink};
+use super::observe::Findings;
+use std::fmt::Write;
+use std::path::Path;
+use veribound_data::Record;
+use veribound_interval::Interval;
+use veribound_model::Model;
+
+/// Verdict, work, and one line per parameter.
+pub fn of(
+    model: &Model,
+    record: &Record,
+    found: &Findings,
+    (folder, figures): (&Path, bool),
+) -> String {
+    let mut out = String::new();
+    let verdict = match (found.ending, &found.last) {
+        (Ending::Inconsistent, _) => "inconsistent (proved)",
+        (Ending::Undecided, _) => "undecided",
+        (Ending::Interrupted, None) => "interrupted",
+        (Ending::Interrupted, Some(_)) => "consistent until interrupted",
+        _ => "consistent",
+    };
+    let work = &found.work;
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        out,
+        "  {verdict}   {} of {} samples in {:.2} s   worst sample {:.2} ms   boxes at most {}",
+        found.samples,
+        record.len(),
+        work.wall_s,
+        work.worst_sample_s * 1e3,
+        work.boxes_max,
+    );
+    if let Some((time, estimate)) = found.last.as_ref().filter(|_| found.refutation.is_none()) {
+        let elapsed = format!("at {time} s");
+        let mut rows = vec![["", "prior", &elapsed, "", "shrink", ""].map(str::to_owned)];
+        let names = model.params.iter().zip(&estimate.params).zip(&found.resets);
+        for ((param, bounds), reset) in names {
+            rows.push([
+                param.name.clone(),
+                show_prior(param.bounds),
+                show_inside(*bounds, param.bounds),
+                param.unit.clone(),
+                shrink(*bounds, param.bounds).unwrap_or_default(),
+                reset.as_ref().map_or(String::new(), |time| format!("since the reset at {time} s")),
+            ]);
+        }
+        for (state, bounds) in model.states.iter().zip(&estimate.states) {
+            rows.push([
+                state.name.clone(),
+                String::new(),
+                show_inside(*bounds, Interval::EMPTY),
+                state.unit.clone(),
+                String::new(),
+                String::new(),
+            ]);
+        }
+        push_rows(&mut out, &rows);
+    }
+    let figures = if figures { ", figures in fig/" } else { "" };
+    let _ = writeln!(
+        out,
+        "  results in {}: summary.json, params.csv, states.csv, boxes.csv, run.toml{figures}",
+        folder.display()
+    );
+    out
+}
+
+/// Columns as wide as their widest entry; the last ones only as wide as they are.
+fn push_rows<const N: usize>(out: &mut String, rows: &[[String; N]]) {
+    let mut widths = [0; N];
+    for row in rows {
+        for (width, text) in widths.iter_mut().zip(row) {
+            *width = (*width).max(text.chars().count());
+        }
+    }
+    for row in rows {
+        let mut line = String::from("  ");
+        for (width, text) in widths.iter().zip(row).filter(|(width, _)| **width > 0) {
+            let _ = write!(line, "{text:width$}   ");
+        }
+        out.push_str(line.trim_end());
+        out.push('\n');
+    }
+}

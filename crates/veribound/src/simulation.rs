@@ -1,0 +1,108 @@
+//! Proved simulation of one solution: start state and parameters are points.
+
+use std::fmt;
+use veribound_flow::{StepFailure, StepOptions, System, Workspace};
+use veribound_interval::Interval;
+use veribound_model::Model;
+
+/// Follows one solution of a model with known parameters, as an enclosure narrow enough to be read
+/// as numbers.
+///
+/// *Guarantee*: after every [`Simulation::advance`] the enclosures contain the states of every
+/// Filippov solution with the given start state, parameters and inputs. (Systems such as a rig with
+/// dry friction have exactly one.)
+///
+/// ```
+/// use veribound::{Decimal, Model, Simulation};
+///
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [1, 3]\n\
+///             der.x = \"-k * x\"\noutputs.y = \"x +- 0.1\"\n";
+/// let model = Model::from_text("decay.toml", text)?;
+/// let k = Decimal::parse("2").expect("a number");
+/// let mut simulation = Simulation::new(&model, &[k.to_interval()], &[model.states[0].init], 10);
+/// let second = Decimal::parse("1").expect("a number");
+/// simulation.advance(&[], second.to_interval()).expect("an enclosure");
+/// assert!(simulation.states()[0].contains((-2.0_f64).exp()));
+/// assert!(simulation.states()[0].width() < 1e-3);
+/// # Ok::<(), veribound::Diagnostics>(())
+/// ```
+pub struct Simulation {
+    system: System,
+    workspace: Workspace,
+    steps: usize,
+    params: Vec<Interval>,
+    states: Vec<Interval>,
+}
+
+/// Order of the Taylor series: high, since the boxes are narrow and the steps are few.
+const ORDER: usize = 6;
+
+/// The simulation cannot go on; the states are those before the step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stopped(pub StepFailure);
+
+impl fmt::Display for Stopped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.0 {
+            StepFailure::Apriori(_) => "no bounding box holds the solution, even for short steps",
+            StepFailure::Unbounded => "the enclosure grew beyond all numbers",
+            StepFailure::LeavesDomain { .. } | StepFailure::InputOutsideDomain { .. } => {
+                "the solution leaves the domain in which the guards of the modes leave no gap"
+            }
+        })
+    }
+}
+
+impl std::error::Error for Stopped {}
+
+impl Simulation {
+    /// A simulation of `model` at its start; `steps` internal steps are made for every stretch.
+    ///
+    /// `params` and `start` have one interval per parameter and state of the model, as narrow as
+    /// they are known.
+    pub fn new(model: &Model, params: &[Interval], start: &[Interval], steps: usize) -> Simulation {
+        let system = System::new(model);
+        // Stretches are divided here: their length is not known in advance.
+        let options =
+            StepOptions { order: ORDER, longest: f64::INFINITY, ..StepOptions::default() };
+        Simulation {
+            workspace: Workspace::new(&system, options),
+            steps: steps.max(1),
+            params: params.to_vec(),
+            states: start.to_vec(),
+            system,
+        }
+    }
+
+    /// The states now.
+    pub fn states(&self) -> &[Interval] {
+        &self.states
+    }
+
+    /// The parameters now.
+    pub fn params(&self) -> &[Interval] {
+        &self.params
+    }
+
+    /// Gives a parameter a new value from now on.
+    pub fn change(&mut self, param: usize, value: Interval) {
+        if let Some(param) = self.params.get_mut(param) {
+            *param = value;
+        }
+    }
+
+    /// Goes on by `dt` seconds with constant inputs.
+    ///
+    /// *Errors*: [`Stopped`] when a step cannot be proved.
+    pub fn advance(&mut self, inputs: &[Interval], dt: Interval) -> Result<(), Stopped> {
+        let part = dt / Interval::point(self.steps as f64);
+        let mut states = self.states.clone();
+        for _ in 0..self.steps {
+            self.system
+                .step(&mut states, &self.params, inputs, part, &mut self.workspace)
+                .map_err(Stopped)?;
+        }
+        self.states = states;
+        Ok(())
+    }
+}
