@@ -646,7 +646,8 @@ impl System {
                         Some(image) if image.is_subset_of(bound.range) => {}
                         Some(image) if round + 1 < SERIES_ROUNDS => {
                             settled = false;
-                            let more = 0.02 * image.width() + 1e-14 * image.mag();
+                            // Generous: the range only enters the remainder, and fewer rounds are cheaper.
+                            let more = 0.25 * image.width() + 1e-14 * image.mag();
                             let more = Interval::new(-more, more).unwrap_or(Interval::ENTIRE);
                             faces.bounds[state][side.index()].range = image + more;
                         }

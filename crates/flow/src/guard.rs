@@ -9,7 +9,7 @@
     reason = "PROOF: indices were made by `Guards::compile` from the same model and layout"
 )]
 
-use veribound_interval::Interval;
+use veribound_interval::{Interval, Truth};
 use veribound_model::{ExprId, Graph, Guard, Layout, Relation, Tape};
 
 /// A guard compiled for boxes.
@@ -310,14 +310,7 @@ impl Guards {
                 {
                     return in_cell_relation(cell, 2 * zone + 1, *relation);
                 }
-                let level = self.levels[*state].zones[*zone];
-                let half = |lo, hi| Interval::new(lo, hi).unwrap_or(Interval::ENTIRE);
-                let allowed = match relation {
-                    Relation::Less | Relation::LessEqual => half(f64::NEG_INFINITY, level.hi()),
-                    Relation::Greater | Relation::GreaterEqual => half(level.lo(), f64::INFINITY),
-                    Relation::Equal => level,
-                    Relation::NotEqual => Interval::ENTIRE,
-                };
+                let allowed = allowed(self.levels[*state].zones[*zone], *relation);
                 q[*state] = q[*state].intersect(allowed);
                 !q[*state].is_empty()
             }
@@ -345,35 +338,135 @@ impl Guards {
             Condition::All(parts) => parts
                 .iter()
                 .all(|part| self.clip_condition(part, q, in_cell, registers)),
-            Condition::Any(parts) => {
-                // Hull of what each alternative leaves.
-                let mut whole = registers.spare.pop().unwrap_or_default();
-                whole.clear();
-                whole.extend_from_slice(q);
-                let mut hull = registers.spare.pop().unwrap_or_default();
-                hull.clear();
-                for part in parts {
-                    q.copy_from_slice(&whole);
-                    if !self.clip_condition(part, q, in_cell, registers) {
-                        continue;
-                    }
-                    if hull.is_empty() {
-                        hull.extend_from_slice(q);
-                    } else {
-                        for (h, x) in hull.iter_mut().zip(q.iter()) {
-                            *h = h.hull(*x);
-                        }
-                    }
+            Condition::Any(parts) => self.clip_any(parts, q, in_cell, registers),
+        }
+    }
+
+    /// Hull of what each alternative leaves of `q`.
+    fn clip_any(
+        &self,
+        parts: &[Condition],
+        q: &mut [Interval],
+        in_cell: InCell,
+        registers: &mut GuardRegisters,
+    ) -> bool {
+        // One alternative that holds everywhere leaves all of it; one that is alone needs no copy.
+        let mut open = None;
+        let mut several = false;
+        for part in parts {
+            match self.decide(part, q, in_cell, registers) {
+                Truth::True => return true,
+                Truth::False => {}
+                Truth::Unknown => {
+                    several |= open.is_some();
+                    open = Some(part);
                 }
-                let possible = !hull.is_empty();
-                if possible {
-                    q.copy_from_slice(&hull);
-                }
-                registers.spare.push(whole);
-                registers.spare.push(hull);
-                possible
             }
         }
+        match open {
+            None => return false,
+            Some(part) if !several => return self.clip_condition(part, q, in_cell, registers),
+            Some(_) => {}
+        }
+        let mut whole = registers.spare.pop().unwrap_or_default();
+        whole.clear();
+        whole.extend_from_slice(q);
+        let mut hull = registers.spare.pop().unwrap_or_default();
+        hull.clear();
+        for part in parts {
+            q.copy_from_slice(&whole);
+            if !self.clip_condition(part, q, in_cell, registers) {
+                continue;
+            }
+            if hull.is_empty() {
+                hull.extend_from_slice(q);
+            } else {
+                for (h, x) in hull.iter_mut().zip(q.iter()) {
+                    *h = h.hull(*x);
+                }
+            }
+        }
+        let possible = !hull.is_empty();
+        if possible {
+            q.copy_from_slice(&hull);
+        }
+        registers.spare.push(whole);
+        registers.spare.push(hull);
+        possible
+    }
+
+    /// Closed reading: true on all of `q`, false on all of it, or not known.
+    fn decide(
+        &self,
+        condition: &Condition,
+        q: &[Interval],
+        in_cell: InCell,
+        registers: &mut GuardRegisters,
+    ) -> Truth {
+        let of = |possible: bool, certain: bool| match (possible, certain) {
+            (false, _) => Truth::False,
+            (true, true) => Truth::True,
+            (true, false) => Truth::Unknown,
+        };
+        match condition {
+            Condition::Always => Truth::True,
+            Condition::Level {
+                state,
+                zone,
+                relation,
+            } => match in_cell {
+                Some((known, cell)) if known == *state => of(
+                    in_cell_relation(cell, 2 * zone + 1, *relation),
+                    cell != 2 * zone + 1,
+                ),
+                _ => {
+                    let allowed = allowed(self.levels[*state].zones[*zone], *relation);
+                    of(
+                        q[*state].intersects(allowed),
+                        q[*state].is_subset_of(allowed),
+                    )
+                }
+            },
+            Condition::General { tape, relation } => {
+                let difference = self.difference(*tape, q, registers);
+                let region = closed_region(*relation);
+                of(
+                    closed(difference, *relation),
+                    difference.is_subset_of(region),
+                )
+            }
+            Condition::All(parts) => {
+                let mut all = Truth::True;
+                for part in parts {
+                    match self.decide(part, q, in_cell, registers) {
+                        Truth::False => return Truth::False,
+                        part => all = all.and(part),
+                    }
+                }
+                all
+            }
+            Condition::Any(parts) => {
+                let mut any = Truth::False;
+                for part in parts {
+                    match self.decide(part, q, in_cell, registers) {
+                        Truth::True => return Truth::True,
+                        part => any = any.or(part),
+                    }
+                }
+                any
+            }
+        }
+    }
+}
+
+/// The values of a state that compare with a level as `relation` says, boundaries included.
+fn allowed(level: Interval, relation: Relation) -> Interval {
+    let half = |lo, hi| Interval::new(lo, hi).unwrap_or(Interval::ENTIRE);
+    match relation {
+        Relation::Less | Relation::LessEqual => half(f64::NEG_INFINITY, level.hi()),
+        Relation::Greater | Relation::GreaterEqual => half(level.lo(), f64::INFINITY),
+        Relation::Equal => level,
+        Relation::NotEqual => Interval::ENTIRE,
     }
 }
 
