@@ -90,22 +90,16 @@ struct Bound {
     end: f64,
 }
 
-impl Default for Bound {
-    fn default() -> Self {
-        Bound {
-            origin: 0.0,
-            start: 0.0,
-            series: false,
-            rhs: 0,
-            cell: 0,
-            sources: Vec::new(),
-            slack: Interval::ZERO,
-            range: Interval::ZERO,
-            coefficients: Vec::new(),
-            remainder: Interval::ZERO,
-            end: 0.0,
-        }
-    }
+/// What is known about a state's right-hand side in one cell; both bounds of a box that lies in
+/// the cell share it.
+#[derive(Debug, Clone, Default)]
+struct Survey {
+    /// State, cell and right-hand side, when it is the only one and smooth.
+    found: Option<(usize, usize, usize)>,
+    /// Slopes on the whole face.
+    base: Vec<Interval>,
+    /// Slopes on the face as far as its corners are fixed.
+    slopes: Vec<Interval>,
 }
 
 /// Scratch and result of [`System::move_faces`].
@@ -114,19 +108,35 @@ pub(crate) struct Faces {
     bounds: Vec<[Bound; 2]>,
     face: Vec<Interval>,
     clipped: Vec<Interval>,
+    /// `1 / (k + 1)`
+    reciprocals: Vec<Interval>,
+    survey: Survey,
     order: usize,
 }
 
 impl Faces {
     pub(crate) fn new(system: &System, order: usize) -> Faces {
         let bound = Bound {
+            origin: 0.0,
+            start: 0.0,
+            series: false,
+            rhs: 0,
+            cell: 0,
+            sources: Vec::new(),
+            slack: Interval::ZERO,
+            range: Interval::ZERO,
             coefficients: vec![Interval::ZERO; order + 2],
-            ..Bound::default()
+            remainder: Interval::ZERO,
+            end: 0.0,
         };
         Faces {
             bounds: vec![[bound.clone(), bound]; system.layout.states],
             face: vec![Interval::ZERO; system.layout.len()],
             clipped: Vec::new(),
+            reciprocals: (0..order + 2)
+                .map(|k| Interval::point((k + 1) as f64).recip())
+                .collect(),
+            survey: Survey::default(),
             order,
         }
     }
@@ -167,6 +177,7 @@ struct Face<'a> {
     /// The box on the face; scratch.
     face: &'a mut Vec<Interval>,
     clipped: &'a mut Vec<Interval>,
+    survey: &'a mut Survey,
     registers: &'a mut Registers,
 }
 
@@ -219,6 +230,7 @@ impl Face<'_> {
         if regularity < Regularity::Kink || tapes.others.is_empty() {
             return plain;
         }
+        self.slopes(rhs);
         let slack = self.fix_corners(rhs, None);
         let registers = &mut self.registers.value[self.state][rhs];
         tapes.value.eval(self.clipped, registers);
@@ -226,12 +238,72 @@ impl Face<'_> {
         self.side.inner(plain, corner)
     }
 
+    /// Partial derivatives of one right-hand side on the box in `clipped`.
+    fn slopes(&mut self, rhs: usize) {
+        let tapes = &self.system.right_hand_sides[self.state][rhs];
+        let registers = &mut self.registers.gradient[self.state][rhs];
+        tapes.gradient.eval(self.clipped, registers);
+        let slopes = (0..tapes.others.len()).map(|i| tapes.gradient.output(i, registers));
+        self.survey.slopes.clear();
+        self.survey.slopes.extend(slopes);
+    }
+
+    /// The right-hand side of the state in `cell`, if it is the only one possible there and smooth
+    /// on the whole face; leaves the face in `clipped` and its slopes in the survey.
+    fn survey(&mut self, cell: usize) -> Option<usize> {
+        let levels = &self.system.guards.levels[self.state];
+        let domain = self.apriori.tube[self.state].intersect(levels.range(cell));
+        if domain.is_empty() {
+            return None;
+        }
+        self.set_face(domain);
+        if let Some((state, known, rhs)) = self.survey.found
+            && (state, known) == (self.state, cell)
+        {
+            self.clipped.clear();
+            self.clipped.extend_from_slice(self.face);
+            self.survey.slopes.clone_from(&self.survey.base);
+            return Some(rhs);
+        }
+        let candidates = &self.system.right_hand_sides[self.state];
+        let mut rhs = None;
+        if candidates.len() == 1 {
+            rhs = Some(0);
+        } else {
+            for mode in self.apriori.modes.iter() {
+                self.clipped.clear();
+                self.clipped.extend_from_slice(self.face);
+                let in_cell = Some((self.state, cell));
+                let guards = &mut self.registers.guards;
+                if !self.system.guards.clip(mode, self.clipped, in_cell, guards) {
+                    continue;
+                }
+                let choice = self.system.choice[mode][self.state];
+                if rhs.is_some_and(|known| known != choice) {
+                    return None;
+                }
+                rhs = Some(choice);
+            }
+        }
+        let rhs = rhs?;
+        self.clipped.clear();
+        self.clipped.extend_from_slice(self.face);
+        let registers = &mut self.registers.value[self.state][rhs];
+        if candidates[rhs].value.eval(self.clipped, registers) != Regularity::Smooth {
+            return None;
+        }
+        self.slopes(rhs);
+        self.survey.found = Some((self.state, cell, rhs));
+        self.survey.base.clone_from(&self.survey.slopes);
+        Some(rhs)
+    }
+
     /// Replaces in `clipped` every quantity in which the right-hand side is monotone by the end
     /// that makes it extreme towards this side, and every other state or input by its midpoint;
     /// returns the slack that covers the latter.
     ///
     /// With `sources` (by position in the series tape) moving states keep their whole range in
-    /// `clipped` and are recorded as bounds instead.
+    /// `clipped` and are recorded as bounds instead. [`Face::slopes`] on `clipped` comes before.
     fn fix_corners(&mut self, rhs: usize, mut sources: Option<&mut Vec<Source>>) -> Interval {
         let layout = self.system.layout;
         let tapes = &self.system.right_hand_sides[self.state][rhs];
@@ -242,18 +314,17 @@ impl Face<'_> {
         } else {
             (1_u128 << tapes.others.len()) - 1
         };
-        let mut current = false;
+        let mut current = true;
         for _ in 0..SIGN_ROUNDS {
-            let registers = &mut self.registers.gradient[self.state][rhs];
             if !current {
-                tapes.gradient.eval(self.clipped, registers);
+                self.slopes(rhs);
             }
             let mut narrowed = false;
             for (position, &quantity) in tapes.others.iter().enumerate().take(128) {
                 if open & (1 << position) == 0 {
                     continue;
                 }
-                let slope = tapes.gradient.output(position, registers);
+                let slope = self.survey.slopes[position];
                 let towards = if slope.is_empty() {
                     continue;
                 } else if slope.lo() >= 0.0 {
@@ -294,9 +365,8 @@ impl Face<'_> {
         if open == 0 {
             return slack;
         }
-        let registers = &mut self.registers.gradient[self.state][rhs];
         if !current {
-            tapes.gradient.eval(self.clipped, registers);
+            self.slopes(rhs);
         }
         for (position, &quantity) in tapes.others.iter().enumerate() {
             if (position < 128 && open & (1 << position) == 0) || !moving(quantity) {
@@ -304,7 +374,7 @@ impl Face<'_> {
             }
             let range = self.clipped[quantity];
             let centre = Interval::point(range.mid());
-            slack += tapes.gradient.output(position, registers) * (range - centre);
+            slack += self.survey.slopes[position] * (range - centre);
             self.clipped[quantity] = centre;
             if let Some(sources) = &mut sources {
                 record(tapes, sources, quantity, Source::Constant(centre));
@@ -392,42 +462,10 @@ impl Face<'_> {
 
     /// Tries to set up the comparison equation from `from` inside `cell`.
     fn plan_series(&mut self, cell: usize, from: f64, bound: &mut Bound) -> bool {
-        let levels = &self.system.guards.levels[self.state];
-        let domain = self.apriori.tube[self.state].intersect(levels.range(cell));
-        if domain.is_empty() {
-            return false;
-        }
-        self.set_face(domain);
-        let candidates = &self.system.right_hand_sides[self.state];
-        let mut rhs = None;
-        if candidates.len() == 1 {
-            rhs = Some(0);
-        } else {
-            for mode in self.apriori.modes.iter() {
-                self.clipped.clear();
-                self.clipped.extend_from_slice(self.face);
-                let in_cell = Some((self.state, cell));
-                let guards = &mut self.registers.guards;
-                if !self.system.guards.clip(mode, self.clipped, in_cell, guards) {
-                    continue;
-                }
-                let choice = self.system.choice[mode][self.state];
-                if rhs.is_some_and(|known| known != choice) {
-                    return false;
-                }
-                rhs = Some(choice);
-            }
-        }
-        let Some(rhs) = rhs else {
+        let Some(rhs) = self.survey(cell) else {
             return false;
         };
-        let tapes = &candidates[rhs];
-        self.clipped.clear();
-        self.clipped.extend_from_slice(self.face);
-        let registers = &mut self.registers.value[self.state][rhs];
-        if tapes.value.eval(self.clipped, registers) != Regularity::Smooth {
-            return false;
-        }
+        let tapes = &self.system.right_hand_sides[self.state][rhs];
         let mut sources = std::mem::take(&mut bound.sources);
         sources.clear();
         sources.resize(
@@ -580,6 +618,7 @@ impl System {
         end: &mut [Interval],
         tube: &mut [Interval],
     ) {
+        faces.survey.found = None;
         for state in 0..self.layout.states {
             for side in Side::BOTH {
                 self.with_face(step, state, side, faces, registers, |face, bound| {
@@ -611,19 +650,25 @@ impl System {
         registers: &mut Registers,
         action: impl FnOnce(&mut Face<'_>, &mut Bound),
     ) {
-        let mut bound = std::mem::take(&mut faces.bounds[state][side.index()]);
+        let Faces {
+            bounds,
+            face,
+            clipped,
+            survey,
+            ..
+        } = faces;
         let mut face = Face {
             system: self,
             q: step.q,
             apriori: step.apriori,
             state,
             side,
-            face: &mut faces.face,
-            clipped: &mut faces.clipped,
+            face,
+            clipped,
+            survey,
             registers,
         };
-        action(&mut face, &mut bound);
-        faces.bounds[state][side.index()] = bound;
+        action(&mut face, &mut bounds[state][side.index()]);
     }
 
     /// Range of every comparison solution over the step, by Picard's iteration for all of them
@@ -762,7 +807,7 @@ impl System {
             };
         }
         for k in 0..last {
-            let divisor = Interval::point((k + 1) as f64);
+            let reciprocal = faces.reciprocals[k];
             for state in 0..self.layout.states {
                 for side in Side::BOTH {
                     let bound = &faces.bounds[state][side.index()];
@@ -780,7 +825,7 @@ impl System {
                     let value = if k == 0 {
                         value + bound.slack
                     } else {
-                        value / divisor
+                        value * reciprocal
                     };
                     // The ranges were accepted with a smooth right-hand side on them; were it
                     // otherwise, the unbounded coefficient says so and loses nothing.

@@ -127,7 +127,11 @@ impl System {
         let mut modes_during = ModeSet::EMPTY;
         // Parts of equal length: `done` of `parts` are behind. Halving doubles both.
         while done < parts {
-            let part = dt / Interval::point(parts as f64);
+            let part = if parts == 1 {
+                dt
+            } else {
+                dt / Interval::point(parts as f64)
+            };
             match self.single_step(part, w) {
                 Ok(modes) => {
                     modes_during = modes_during.union(modes);
