@@ -48,10 +48,10 @@ impl Default for ObserverOptions {
     fn default() -> Self {
         ObserverOptions {
             boxes: 50,
-            bisections: 20,
-            every: 5,
+            bisections: 25,
+            every: 10,
             epsilon: 1e-3,
-            velocity_horizon: 2.0,
+            velocity_horizon: 3.0,
             trisect: false,
             parameter_rule: ParameterRule::WidestInfluence,
             merge_across_modes: false,
