@@ -19,14 +19,15 @@ pub(crate) fn upper(bounds: Interval) -> String {
 ///
 /// `[-6, -0.05]` is held as floats a little outside; printing these outward would show
 /// -0.0499999999999 where the user knows -0.05. Decimals of at most 15 digits are farther apart than
-/// floats, so at most one of them is read as a given end, and if the user wrote an end with at most
-/// 15 digits, it is that one. Assumed: nobody writes a prior with more digits that shares its float
-/// with a shorter decimal (such an end would be shown as the shorter one). Where no short decimal is
-/// read as the end, it is rounded outward.
+/// floats, so at most one of them is read as a given end; and the model reader widens every end
+/// with more digits to one of 15, so the end that is found is the user's (or lies outside of it).
+/// Where no short decimal is read as the end, it is rounded outward.
 pub(crate) fn spelled(read: Interval) -> (String, String) {
-    let lo = (1..=15).map(|digits| text::upper(read.lo(), digits));
+    // Below the normal floats the argument fails; there the ends are rounded outward.
+    let short = |x: f64| 1..=(if x == 0.0 || x.abs() > 1e-290 { 15 } else { 0 });
+    let lo = short(read.lo()).map(|digits| text::upper(read.lo(), digits));
     let lo = lo.filter(|text| enclosed(text).is_some_and(|end| end.lo() == read.lo()));
-    let hi = (1..=15).map(|digits| text::lower(read.hi(), digits));
+    let hi = short(read.hi()).map(|digits| text::lower(read.hi(), digits));
     let hi = hi.filter(|text| enclosed(text).is_some_and(|end| end.hi() == read.hi()));
     let (mut lo, mut hi) = (lo, hi);
     (

@@ -6,7 +6,22 @@ use crate::file::scope::Scope;
 use crate::file::text::Text;
 use std::ops::Range;
 use toml::de::DeValue;
-use veribound_interval::{Decimal, Interval};
+use veribound_interval::{Decimal, Interval, text};
+
+/// Decimals with more significant digits are widened to this many.
+const PRINTABLE_DIGITS: usize = 15;
+
+fn significant_digits(decimal: &Decimal) -> usize {
+    let spelling = decimal.to_string();
+    let mantissa = spelling.split(['e', 'E']).next().unwrap_or_default();
+    let digits: String = mantissa.chars().filter(char::is_ascii_digit).collect();
+    let digits = digits.trim_start_matches('0');
+    if mantissa.contains('.') {
+        digits.len()
+    } else {
+        digits.trim_end_matches('0').len()
+    }
+}
 
 /// One end of a range.
 enum Constant {
@@ -21,6 +36,26 @@ impl Constant {
         match self {
             Constant::Exact(decimal) => decimal.to_interval(),
             Constant::Enclosed(interval) => *interval,
+        }
+    }
+
+    /// The number itself where 15 significant digits spell it, else a range that such numbers end.
+    ///
+    /// Decimals of at most 15 digits are farther apart than floats, so each float is the end of at
+    /// most one of them: an end that nothing was cut off can be printed as it was spelled, and the
+    /// print is exact. Longer numbers widen the range by less than its last digits show.
+    fn printable(&self) -> Interval {
+        let enclosure = self.enclosure();
+        if let Constant::Exact(decimal) = self
+            && significant_digits(decimal) <= PRINTABLE_DIGITS
+        {
+            return enclosure;
+        }
+        let lo = text::lower(enclosure.lo(), PRINTABLE_DIGITS);
+        let hi = text::upper(enclosure.hi(), PRINTABLE_DIGITS);
+        match (Decimal::parse(&lo), Decimal::parse(&hi)) {
+            (Ok(lo), Ok(hi)) => lo.to_interval().hull(hi.to_interval()),
+            _ => enclosure,
         }
     }
 
@@ -83,7 +118,7 @@ pub(crate) fn range(reader: &mut Reader, value: Value, what: &str) -> Option<Int
         );
         return None;
     }
-    bounded(reader, value, lo.enclosure().hull(hi.enclosure()))
+    bounded(reader, value, lo.printable().hull(hi.printable()))
 }
 
 /// A range `[lo, hi]` or a single value of `what`.
@@ -100,7 +135,7 @@ pub(crate) fn range_or_point(reader: &mut Reader, value: Value, what: &str) -> O
 
 /// A single value, enclosed outward.
 pub(crate) fn point(reader: &mut Reader, value: Value, help: &str) -> Option<Interval> {
-    let value_enclosure = constant(reader, value, help)?.enclosure();
+    let value_enclosure = constant(reader, value, help)?.printable();
     bounded(reader, value, value_enclosure)
 }
 
