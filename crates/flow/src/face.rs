@@ -691,10 +691,14 @@ impl System {
                         Some(image) if image.is_subset_of(bound.range) => {}
                         Some(image) if round + 1 < SERIES_ROUNDS => {
                             settled = false;
-                            // Generous: the range only enters the remainder, and fewer rounds are cheaper.
+                            // Generous: the range only enters the remainder, and fewer rounds are
+                            // cheaper. But not beyond the tube: velocities are larger there, and
+                            // no image would stay in it.
                             let more = 0.25 * image.width() + 1e-14 * image.mag();
                             let more = Interval::new(-more, more).unwrap_or(Interval::ENTIRE);
-                            faces.bounds[state][side.index()].range = image + more;
+                            let tube = step.apriori.tube[state];
+                            faces.bounds[state][side.index()].range =
+                                (image + more).intersect(tube);
                         }
                         _ => {
                             settled = false;

@@ -158,6 +158,10 @@ impl Instruction {
                 };
                 (c.at(a, k) - known) / divisor
             }
+            // What does not move has no second coefficient to get wrong.
+            Op::Binary(function @ (Binary::Min | Binary::Max)) if !self.moving => {
+                function.apply(c.at(a, 0), c.at(b, 0))
+            }
             Op::Binary(Binary::Min) => match decided_order(c.at(a, 0), c.at(b, 0)) {
                 Some(a_smaller) => c.at(if a_smaller { a } else { b }, k),
                 None => return Regularity::Kink,
@@ -177,8 +181,10 @@ impl Instruction {
         let start = c.at(a, 0);
         let value = match function {
             Unary::Neg => -c.at(a, k),
-            Unary::Abs if start.lo() >= 0.0 => c.at(a, k),
-            Unary::Abs if start.hi() <= 0.0 => -c.at(a, k),
+            Unary::Abs if !self.moving => start.abs(),
+            // Strict: a box and a box inside it must not take different branches.
+            Unary::Abs if start.lo() > 0.0 => c.at(a, k),
+            Unary::Abs if start.hi() < 0.0 => -c.at(a, k),
             Unary::Abs => return Regularity::Kink,
             Unary::Sign if start.contains(0.0) => return Regularity::Jump,
             Unary::Sign if k == 0 => start.sign(),
@@ -279,10 +285,12 @@ fn square(c: &Coefficients, a: u32, k: usize) -> Interval {
     }
 }
 
+/// Which of the two is smaller; `None` where they touch, since a smaller box could then decide it
+/// the other way.
 fn decided_order(a: Interval, b: Interval) -> Option<bool> {
-    if a.hi() <= b.lo() {
+    if a.hi() < b.lo() {
         Some(true)
-    } else if b.hi() <= a.lo() {
+    } else if b.hi() < a.lo() {
         Some(false)
     } else {
         None
