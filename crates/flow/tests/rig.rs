@@ -23,7 +23,11 @@ fn exact_trajectories_stay_inside_and_the_hull_is_tight() {
     let mut trials = 0.0;
     for _ in 0..2000 {
         let w = rng.between(-1.0, 1.0) * if rng.unit() < 0.3 { 0.0 } else { 1.5 };
-        let w_width = if rng.unit() < 0.3 { 0.0 } else { rng.between(0.0, 0.6) };
+        let w_width = if rng.unit() < 0.3 {
+            0.0
+        } else {
+            rng.between(0.0, 0.6)
+        };
         let omega = interval(w, w + w_width);
         let phi = interval(0.0, 0.1);
         let a = rng.between(-6.0, -0.05);
@@ -49,7 +53,11 @@ fn exact_trajectories_stay_inside_and_the_hull_is_tight() {
             // Corners first: the extremes of a monotone map.
             let pick = |rng: &mut Rng, x: Interval, bit: u32| {
                 if trial < 32 {
-                    if trial >> bit & 1 == 0 { x.lo() } else { x.hi() }
+                    if trial >> bit & 1 == 0 {
+                        x.lo()
+                    } else {
+                        x.hi()
+                    }
                 } else {
                     rng.between(x.lo(), x.hi())
                 }
@@ -85,7 +93,10 @@ fn exact_trajectories_stay_inside_and_the_hull_is_tight() {
             let excess = states[state].width() - hull[state].width();
             excess_sum[state] += excess;
             if excess > 0.15 {
-                println!("excess {state} {excess:.3}: omega {omega:?} u {u} {params:?} -> {:?} hull {:?}", states[state], hull[state]);
+                println!(
+                    "excess {state} {excess:.3}: omega {omega:?} u {u} {params:?} -> {:?} hull {:?}",
+                    states[state], hull[state]
+                );
             }
         }
     }
@@ -100,11 +111,21 @@ fn a_standing_rig_stands() {
     let system = System::new(&model);
     let mut workspace = Workspace::new(&system, StepOptions::default());
     let mut states = [interval(-0.1, 0.1), Interval::ZERO];
-    let params = [interval(-6.0, -0.05), interval(1.0, 400.0), interval(0.13, 0.3)];
+    let params = [
+        interval(-6.0, -0.05),
+        interval(1.0, 400.0),
+        interval(0.13, 0.3),
+    ];
     for _ in 0..1000 {
         let inputs = [interval(0.11, 0.12)];
         system
-            .step(&mut states, &params, &inputs, Interval::point(0.01), &mut workspace)
+            .step(
+                &mut states,
+                &params,
+                &inputs,
+                Interval::point(0.01),
+                &mut workspace,
+            )
             .unwrap();
         let modes = system.active_modes(&states, &params, &inputs, &mut workspace);
         assert_eq!(modes.iter().collect::<Vec<_>>(), [1]);

@@ -1,14 +1,21 @@
-//! Models and exact solutions that several tests use.
-#![allow(dead_code)]
+//! What several tests share: a repeatable generator, the rig with its exact closed form, a simulator
+//! for switching systems, and models to attack.
+#![allow(
+    dead_code,
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking; every test file uses a part of this"
+)]
 
-use std::sync::Arc;
-use veribound_interval::{Decimal, Interval};
-use veribound_model::{
-    ErrorBound, Graph, Guard, Input, Mode, Model, Output, Param, Relation, SourceText, State,
-    Unary, Var,
-};
+pub mod models;
+pub mod truth;
+
+use veribound_interval::Interval;
+use veribound_model::Model;
 
 /// A small repeatable generator (splitmix64).
+#[derive(Clone)]
 pub struct Rng(pub u64);
 
 impl Rng {
@@ -27,75 +34,152 @@ impl Rng {
     pub fn between(&mut self, lo: f64, hi: f64) -> f64 {
         (lo + (hi - lo) * self.unit()).clamp(lo, hi)
     }
+
+    /// One of `0..n`.
+    pub fn below(&mut self, n: usize) -> usize {
+        (self.next() % n as u64) as usize
+    }
+
+    pub fn chance(&mut self, probability: f64) -> bool {
+        self.unit() < probability
+    }
+
+    pub fn pick<T: Copy>(&mut self, list: &[T]) -> T {
+        list[self.below(list.len())]
+    }
+
+    /// A point of `x`, often one of its ends.
+    pub fn inside(&mut self, x: Interval) -> f64 {
+        match self.below(4) {
+            0 => x.lo(),
+            1 => x.hi(),
+            _ => self.between(x.lo(), x.hi()),
+        }
+    }
+}
+
+pub fn interval(lo: f64, hi: f64) -> Interval {
+    Interval::new(lo, hi).unwrap()
+}
+
+/// The model in `text`; panics with the reader's own message.
+pub fn read(name: &str, text: &str) -> Model {
+    Model::from_text(name, text)
+        .unwrap_or_else(|problems| panic!("{name}:\n{}", problems.render(false)))
 }
 
 /// Exact flow of the rig over `h` with constant `u`: stop, stick and reversal included.
+///
+/// `w(t) = (w0 + c) e^(at) - c` with `c = b (u - s T)/a` for motion of sign `s`; it stops after
+/// `ln(1 + w0/c) / -a` where `w0/c > 0`, and never otherwise. Needs `a < 0`.
 pub fn rig_step(phi: f64, w: f64, u: f64, p: [f64; 3], h: f64) -> (f64, f64) {
     let [a, b, level] = p;
-    let (mut phi, mut w, mut t) = (phi, w, 0.0);
-    while t < h {
-        let rest = h - t;
+    let (mut phi, mut w, mut rest) = (phi, w, h);
+    while rest > 0.0 {
         if w == 0.0 && u.abs() <= level {
             return (phi, 0.0);
         }
         let s = if w == 0.0 { u.signum() } else { w.signum() };
         let c = b * (u - s * level) / a;
-        let q = c / (w + c);
-        let stop = if w != 0.0 && w + c != 0.0 && q > 0.0 && q < 1.0 {
-            q.ln() / a
+        let stop = if w != 0.0 && w / c > 0.0 {
+            (w / c).ln_1p() / -a
         } else {
             f64::INFINITY
         };
         let d = rest.min(stop);
         let e = (a * d).exp_m1();
         phi += (w + c) * e / a - c * d;
-        w = if stop <= rest { 0.0 } else { (w + c) * (e + 1.0) - c };
-        t += d;
-        if stop > rest {
-            break;
-        }
+        w = if stop <= rest { 0.0 } else { w + (w + c) * e };
+        rest -= d;
     }
     (phi, w)
 }
 
-pub fn rig_model() -> Model {
-    let mut g = Graph::default();
-    let (phi, w) = (g.var(Var::State(0)), g.var(Var::State(1)));
-    let (a, b, t) = (g.var(Var::Param(0)), g.var(Var::Param(1)), g.var(Var::Param(2)));
-    let u = g.var(Var::Input(0));
-    let zero = g.integer(0);
-    let aw = g.mul(a, w);
-    let minus = g.sub(u, t);
-    let plus = g.add(u, t);
-    let bm = g.mul(b, minus);
-    let bp = g.mul(b, plus);
-    let fwd = g.add(aw, bm);
-    let bwd = g.add(aw, bp);
-    let au = g.unary(Unary::Abs, u);
-    let stick = g.sub(au, t);
-    let atom = |expr, relation| Guard::Atom { expr, relation };
-    let mode = |name: &str, guard, der| Mode { name: name.into(), guard, der };
-    let modes = vec![
-        mode("forward", Guard::Any(vec![atom(w, Relation::Greater), Guard::All(vec![atom(w, Relation::Equal), atom(minus, Relation::Greater)])]), vec![w, fwd]),
-        mode("stick", Guard::All(vec![atom(w, Relation::Equal), atom(stick, Relation::LessEqual)]), vec![zero, zero]),
-        mode("backward", Guard::Any(vec![atom(w, Relation::Less), Guard::All(vec![atom(w, Relation::Equal), atom(plus, Relation::Less)])]), vec![w, bwd]),
-    ];
-    let d = |s: &str| Decimal::parse(s).unwrap();
-    let err = |s: &str| ErrorBound { absolute: d(s), relative: d("0") };
-    let iv = |lo, hi| Interval::new(lo, hi).unwrap();
-    let state = |name: &str| State { name: name.into(), unit: String::new(), init: Interval::ZERO, domain: None };
-    let param = |name: &str, bounds| Param { name: name.into(), unit: String::new(), bounds, nominal: None };
-    Model {
-        name: "rig".into(),
-        states: vec![state("phi"), state("omega")],
-        inputs: vec![Input { name: "u".into(), unit: String::new(), column: None, error: err("0"), domain: None }],
-        params: vec![param("alpha", iv(-6.0, -0.05)), param("beta", iv(1.0, 400.0)), param("T_Fs", iv(0.0, 0.3))],
-        modes,
-        outputs: vec![Output { name: "phi_m".into(), unit: String::new(), column: None, expr: phi, error: err("0.1") }],
-        signals: vec![],
-        coverage: veribound_model::Coverage::Everywhere,
-        notes: vec![],
-        source: Arc::new(SourceText { name: "rig".into(), text: String::new(), first_line: 1 }),
-        graph: g,
+/// How a rig's model file is written.
+#[derive(Clone)]
+pub struct RigText {
+    /// Three modes with guards, or the friction law.
+    pub explicit: bool,
+    pub phi: [String; 2],
+    pub omega: [String; 2],
+    pub alpha: [String; 2],
+    pub beta: [String; 2],
+    pub level: [String; 2],
+    pub input_error: &'static str,
+    pub output_error: &'static str,
+    /// Latency, and how long a standstill lasts before the level may be new.
+    pub still: Option<(&'static str, Option<&'static str>)>,
+}
+
+impl Default for RigText {
+    fn default() -> Self {
+        let pair = |lo: &str, hi: &str| [lo.to_string(), hi.to_string()];
+        RigText {
+            explicit: true,
+            phi: pair("-0.2", "0.2"),
+            omega: pair("0", "0"),
+            alpha: pair("-6", "-0.05"),
+            beta: pair("1", "400"),
+            level: pair("0", "0.3"),
+            input_error: "{ relative = 0 }",
+            output_error: "0.1",
+            still: None,
+        }
     }
+}
+
+impl RigText {
+    pub fn text(&self) -> String {
+        let list = |[lo, hi]: &[String; 2]| format!("[{lo}, {hi}]");
+        let resets = matches!(self.still, Some((_, Some(_))));
+        let reset = if resets {
+            ", resets = \"standstill\""
+        } else {
+            ""
+        };
+        let mut text = format!(
+            "format = 1\nname = \"rig\"\n[states]\nphi = {{ init = {} }}\nomega = {{ init = {} }}\n\
+             [inputs]\nu = {{ error = {} }}\n\
+             [params]\nalpha = {{ bounds = {} }}\nbeta = {{ bounds = {} }}\n\
+             T_Fs = {{ bounds = {}{reset} }}\n",
+            list(&self.phi),
+            list(&self.omega),
+            self.input_error,
+            list(&self.alpha),
+            list(&self.beta),
+            list(&self.level),
+        );
+        text += if self.explicit {
+            "[let]\ndrive = \"beta * u + alpha * omega\"\n[modes]\n\
+             forward  = { when = \"omega > 0 or (omega == 0 and u > T_Fs)\", der = { phi = \"omega\", omega = \"drive - beta * T_Fs\" } }\n\
+             stick    = { when = \"omega == 0 and abs(u) <= T_Fs\", der = { phi = \"0\", omega = \"0\" } }\n\
+             backward = { when = \"omega < 0 or (omega == 0 and u < -T_Fs)\", der = { phi = \"omega\", omega = \"drive + beta * T_Fs\" } }\n"
+        } else {
+            "[der]\nphi = \"omega\"\nomega = \"alpha*omega + beta*(u - friction(omega, u, T_Fs))\"\n"
+        };
+        if let Some((latency, lasts)) = self.still {
+            text += &format!(
+                "[signals]\nstill = {{ from = \"column\", type = \"bool\", proves = \"omega == 0\", latency = {latency} }}\n"
+            );
+            if let Some(lasts) = lasts {
+                text += &format!(
+                    "[events.standstill]\nwhen = \"still\"\nlasts = {lasts}\naction = \"reset T_Fs\"\n"
+                );
+            }
+        }
+        text += &format!(
+            "[outputs]\nphi_m = {{ expr = \"phi\", error = {} }}\n",
+            self.output_error
+        );
+        text
+    }
+
+    pub fn model(&self) -> Model {
+        read("rig", &self.text())
+    }
+}
+
+/// The rig with the priors of the plots, three modes, angle measured within 0.1 rad.
+pub fn rig_model() -> Model {
+    RigText::default().model()
 }
