@@ -1,5 +1,6 @@
 //! One box of the observer's list.
 
+use crate::history::Memory;
 use veribound_flow::ModeSet;
 use veribound_interval::Interval;
 
@@ -10,9 +11,27 @@ pub struct Cell {
     pub z: Vec<Interval>,
     /// Modes whose guard holds somewhere on the box, with the input of the coming step.
     pub modes: ModeSet,
+    /// Where its trajectories come from, per pair of states and window.
+    pub(crate) memories: Vec<Memory>,
 }
 
 impl Cell {
+    /// A box without a past.
+    pub(crate) fn new(z: Vec<Interval>) -> Cell {
+        Cell {
+            z,
+            modes: ModeSet::EMPTY,
+            memories: Vec::new(),
+        }
+    }
+
+    /// Takes over the past of a box that lies inside this one, so that `other` can be dropped.
+    pub(crate) fn absorb(&mut self, other: &Cell) {
+        for (memory, more) in self.memories.iter_mut().zip(&other.memories) {
+            *memory = memory.hull(*more);
+        }
+    }
+
     /// True when every point of this box is one of `other` too.
     pub fn is_subset_of(&self, other: &Cell) -> bool {
         self.z.iter().zip(&other.z).all(|(a, b)| a.is_subset_of(*b))
@@ -24,6 +43,7 @@ impl Cell {
             *a = a.hull(*b);
         }
         self.modes = self.modes.union(other.modes);
+        self.absorb(other);
     }
 }
 
@@ -40,11 +60,23 @@ pub(crate) fn cut(x: Interval, point: f64) -> Option<(Interval, Interval)> {
 pub(crate) fn remove_contained(cells: &mut Vec<Cell>) {
     let mut kept: Vec<Cell> = Vec::with_capacity(cells.len());
     for cell in cells.drain(..) {
-        if kept.iter().any(|other| cell.is_subset_of(other)) {
-            continue;
-        }
-        kept.retain(|other| !other.is_subset_of(&cell));
-        kept.push(cell);
+        insert(&mut kept, cell);
     }
     *cells = kept;
+}
+
+/// Adds a box to a list in which no box lies inside another one.
+pub(crate) fn insert(kept: &mut Vec<Cell>, mut cell: Cell) {
+    if let Some(other) = kept.iter_mut().find(|other| cell.is_subset_of(other)) {
+        other.absorb(&cell);
+        return;
+    }
+    kept.retain(|other| {
+        let inside = other.is_subset_of(&cell);
+        if inside {
+            cell.absorb(other);
+        }
+        !inside
+    });
+    kept.push(cell);
 }

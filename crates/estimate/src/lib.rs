@@ -1,6 +1,7 @@
 //! Set-valued estimation: the observer over a list of boxes.
 
 mod cell;
+mod history;
 mod measure;
 mod merge;
 mod observer;

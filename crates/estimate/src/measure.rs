@@ -6,8 +6,7 @@
 )]
 
 use crate::cell::Cell;
-use crate::verdict::Contradiction;
-use veribound_interval::round::sub_down;
+use crate::verdict::{Contradiction, distance};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{ExprId, Layout, Model, Sample, Tape};
 
@@ -162,14 +161,4 @@ impl Measurements {
         cell.z.copy_from_slice(&self.q[..kept]);
         Ok(())
     }
-}
-
-/// A lower bound of the distance between two intervals; zero where they meet.
-fn distance(a: Interval, b: Interval) -> f64 {
-    if a.is_empty() || b.is_empty() {
-        return 0.0;
-    }
-    sub_down(a.lo(), b.hi())
-        .max(sub_down(b.lo(), a.hi()))
-        .max(0.0)
 }

@@ -154,8 +154,8 @@ mod tests {
         modes.insert(mode);
         let interval = |(lo, hi)| Interval::new(lo, hi).unwrap();
         Cell {
-            z: vec![interval(x), interval(y)],
             modes,
+            ..Cell::new(vec![interval(x), interval(y)])
         }
     }
 

@@ -5,7 +5,8 @@
               are checked when it comes in"
 )]
 
-use crate::cell::{Cell, cut, remove_contained};
+use crate::cell::{Cell, cut, insert, remove_contained};
+use crate::history::Windows;
 use crate::measure::Measurements;
 use crate::merge::merge;
 use crate::options::ObserverOptions;
@@ -35,6 +36,7 @@ pub struct Observer {
     workspace: Workspace,
     splitter: Splitter,
     measurements: Measurements,
+    windows: Windows,
     /// Start intervals of the states and priors of the parameters.
     prior: Vec<Interval>,
     /// Per reset: signal, parameter, how long the signal must have lasted.
@@ -105,10 +107,8 @@ impl Observer {
             workspace: Workspace::new(&system, options.step),
             splitter: Splitter::new(model),
             measurements: Measurements::new(model, layout),
-            cells: vec![Cell {
-                z: prior.clone(),
-                modes: ModeSet::EMPTY,
-            }],
+            windows: Windows::new(&system, &options.windows),
+            cells: vec![Cell::new(prior.clone())],
             spare: Vec::new(),
             moved: Vec::new(),
             scale: vec![1.0; prior.len()],
@@ -145,10 +145,7 @@ impl Observer {
                 }
             }
             if z.iter().all(|x| !x.is_empty()) {
-                cells.push(Cell {
-                    z,
-                    modes: ModeSet::EMPTY,
-                });
+                cells.push(Cell::new(z));
             }
         }
         if cells.is_empty() {
@@ -209,6 +206,10 @@ impl Observer {
                 contradiction,
             }));
         }
+        if position == 0 {
+            self.windows.restart(&mut self.cells);
+        }
+        self.windows.renew(&mut self.cells);
         let resets = self.reset(sample);
         self.boxes_max = self.boxes_max.max(self.cells.len());
         self.label(&sample.inputs);
@@ -296,13 +297,18 @@ impl Observer {
                     // Boxes of earlier samples lend their memory.
                     let mut cell = self.spare.pop().unwrap_or_else(|| from.clone());
                     cell.z.clone_from(&from.z);
+                    cell.memories.clone_from(&from.memories);
                     cell
                 }
             };
             self.box_steps += 1;
             let (x, p) = cell.z.split_at_mut(states);
             match self.system.step(x, p, inputs, dt, &mut self.workspace) {
-                Ok(_) => moved.push(cell),
+                Ok(_) => {
+                    self.windows
+                        .extend(&mut cell, self.workspace.velocity(), dt);
+                    moved.push(cell);
+                }
                 Err(reason) => {
                     // A smaller box may do: halve the coordinate with the largest share left.
                     let parts = self.widest(&cell).and_then(|coordinate| {
@@ -325,6 +331,7 @@ impl Observer {
         self.spare.append(&mut moved);
         self.spare.truncate(self.cells.len());
         self.moved = moved;
+        self.windows.advance(dt);
         Ok(())
     }
 
@@ -342,7 +349,8 @@ impl Observer {
         let mut nearest: Option<Contradiction> = None;
         let cells = std::mem::take(&mut self.cells);
         for mut cell in cells {
-            match self.measurements.narrow(&mut cell, sample) {
+            let narrowed = self.measurements.narrow(&mut cell, sample);
+            match narrowed.and_then(|()| self.windows.narrow(&mut cell)) {
                 Ok(()) => self.cells.push(cell),
                 Err(found) => {
                     if nearest
@@ -388,10 +396,7 @@ impl Observer {
                 }
             }
             for part in added {
-                if !self.cells.iter().any(|cell| part.is_subset_of(cell)) {
-                    self.cells.retain(|cell| !cell.is_subset_of(&part));
-                    self.cells.push(part);
-                }
+                insert(&mut self.cells, part);
             }
         }
         done

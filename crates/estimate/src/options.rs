@@ -38,6 +38,9 @@ pub struct ObserverOptions {
     pub trisect: bool,
     /// How the parameter to split is chosen.
     pub parameter_rule: ParameterRule,
+    /// Lengths, in samples, of the stretches of the past that bound a rate by how far its integral
+    /// moved (an unmeasured velocity by the measured angle); none switches this off.
+    pub windows: Vec<u64>,
     /// Let merging join boxes with different active modes.
     pub merge_across_modes: bool,
     /// Settings of the integration step.
@@ -54,6 +57,7 @@ impl Default for ObserverOptions {
             velocity_horizon: 3.0,
             trisect: false,
             parameter_rule: ParameterRule::WidestInfluence,
+            windows: vec![4, 16, 64],
             merge_across_modes: false,
             step: StepOptions::default(),
         }

@@ -1,6 +1,7 @@
 //! What the observer says after each sample.
 
-use veribound_flow::{AprioriFailure, ModeSet, StepFailure};
+use veribound_flow::{AprioriFailure, Integral, ModeSet, StepFailure};
+use veribound_interval::round::sub_down;
 use veribound_interval::{Decimal, Interval};
 
 /// The state of knowledge after a sample.
@@ -55,6 +56,15 @@ pub enum Contradiction {
         /// Every value the expression that should be zero could have had.
         enclosure: Interval,
     },
+    /// A state cannot have moved as its measurements say with any rate the model allows.
+    Motion {
+        /// The state that moved, and the state that is its rate.
+        pair: Integral,
+        /// Every rate possible now by the model.
+        enclosure: Interval,
+        /// Every rate possible now by how far the state moved.
+        needed: Interval,
+    },
 }
 
 impl Contradiction {
@@ -63,7 +73,10 @@ impl Contradiction {
     pub(crate) fn is_nearer_than(&self, other: &Contradiction) -> bool {
         let miss = |c: &Contradiction| match c {
             Contradiction::Output { gap, .. } => (0, *gap),
-            Contradiction::Signal { enclosure, .. } => (1, enclosure.mig()),
+            Contradiction::Motion {
+                enclosure, needed, ..
+            } => (1, distance(*enclosure, *needed)),
+            Contradiction::Signal { enclosure, .. } => (2, enclosure.mig()),
         };
         let ((kind, size), (other_kind, other_size)) = (miss(self), miss(other));
         kind < other_kind || (kind == other_kind && size < other_size)
@@ -106,4 +119,14 @@ impl Undecided {
             _ => None,
         }
     }
+}
+
+/// A lower bound of the distance between two intervals; zero where they meet.
+pub(crate) fn distance(a: Interval, b: Interval) -> f64 {
+    if a.is_empty() || b.is_empty() {
+        return 0.0;
+    }
+    sub_down(a.lo(), b.hi())
+        .max(sub_down(b.lo(), a.hi()))
+        .max(0.0)
 }

@@ -14,4 +14,4 @@ mod system;
 pub use apriori::AprioriFailure;
 pub use modes::ModeSet;
 pub use step::{StepFailure, StepOptions, StepReport, Workspace};
-pub use system::System;
+pub use system::{Integral, System};

@@ -69,6 +69,7 @@ pub struct Workspace {
     end: Vec<Interval>,
     part_tube: Vec<Interval>,
     tube: Vec<Interval>,
+    velocity: Vec<Interval>,
 }
 
 impl Workspace {
@@ -88,12 +89,19 @@ impl Workspace {
             end: vec![Interval::ZERO; system.layout.states],
             part_tube: vec![Interval::ZERO; system.layout.states],
             tube: vec![Interval::ZERO; system.layout.states],
+            velocity: vec![Interval::ZERO; system.layout.states],
         }
     }
 
     /// After [`System::step`]: encloses the states at every time of the step.
     pub fn tube(&self) -> &[Interval] {
         &self.tube
+    }
+
+    /// After [`System::step`]: encloses the velocity of every state at almost every time of the
+    /// step.
+    pub fn velocity(&self) -> &[Interval] {
+        &self.velocity
     }
 }
 
@@ -120,6 +128,7 @@ impl System {
         w.q[n..n + self.layout.params].copy_from_slice(params);
         w.q[n + self.layout.params..].copy_from_slice(inputs);
         w.tube.copy_from_slice(states);
+        w.velocity.fill(Interval::EMPTY);
         let least_parts = (dt.hi() / w.options.longest).ceil().clamp(1.0, 1e6) as u64;
         let mut parts = least_parts;
         let mut done = 0_u64;
@@ -137,6 +146,9 @@ impl System {
                     modes_during = modes_during.union(modes);
                     done += 1;
                     for (all, now) in w.tube.iter_mut().zip(&w.part_tube) {
+                        *all = all.hull(*now);
+                    }
+                    for (all, now) in w.velocity.iter_mut().zip(&w.apriori.velocity) {
                         *all = all.hull(*now);
                     }
                 }

@@ -45,6 +45,17 @@ pub struct System {
     /// Where the guards are proved to leave no gap; `None` when that is everywhere, or unproved
     /// (then the model's own text has to be trusted, and `check` says so).
     pub(crate) domain: Option<Domain>,
+    /// See [`System::integrals`].
+    integrals: Vec<Integral>,
+}
+
+/// One state is the integral of another one in every mode, as an angle is of its angular velocity.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Integral {
+    /// The state whose derivative is the other one.
+    pub state: usize,
+    /// The other one.
+    pub rate: usize,
 }
 
 /// Intervals that states and inputs must not leave.
@@ -90,6 +101,15 @@ impl System {
                 });
             }
         }
+        let integrals = (0..layout.states)
+            .filter_map(|state| match right_hand_sides[state][..] {
+                [ref only] => match *graph.node(only.expr) {
+                    Node::Var(Var::State(rate)) => Some(Integral { state, rate }),
+                    _ => None,
+                },
+                _ => None,
+            })
+            .collect();
         let conditions: Vec<&Guard> = model.modes.iter().map(|mode| &mode.guard).collect();
         let domain = match &model.coverage {
             Coverage::InDomain { states, inputs } => Some(Domain {
@@ -105,12 +125,18 @@ impl System {
             right_hand_sides,
             choice,
             domain,
+            integrals,
         }
     }
 
     /// Where states, parameters and inputs stand in a flat list.
     pub fn layout(&self) -> Layout {
         self.layout
+    }
+
+    /// The pairs of states of which one is the integral of the other.
+    pub fn integrals(&self) -> &[Integral] {
+        &self.integrals
     }
 
     /// Number of modes.

@@ -133,6 +133,11 @@ pub struct Method {
     #[arg(long, value_name = "SAMPLES", default_value_t = ObserverOptions::default().velocity_horizon,
           value_parser = not_negative)]
     pub velocity_horizon: f64,
+    /// Stretches of the past, in samples, over which a rate is bounded by how far its integral moved;
+    /// 0 for none
+    #[arg(long, value_name = "SAMPLES", value_delimiter = ',',
+          default_values_t = ObserverOptions::default().windows)]
+    pub windows: Vec<u64>,
     /// Split a switching state into three while several modes are possible
     #[arg(long)]
     pub trisect: bool,
@@ -261,6 +266,7 @@ impl Method {
             every: self.every,
             epsilon: self.epsilon,
             velocity_horizon: self.velocity_horizon,
+            windows: self.windows.clone(),
             trisect: self.trisect,
             parameter_rule: match self.parameter_rule {
                 Rule::WidestTerm => ParameterRule::WidestTerm,

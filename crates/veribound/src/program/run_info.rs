@@ -64,6 +64,8 @@ fn options(arguments: &Observe, assumptions: &[String]) -> Table {
     ] {
         put(name, Value::Float(number));
     }
+    let windows = method.windows.iter().map(|length| Value::Integer(*length as i64));
+    put("windows", Value::Array(windows.collect()));
     put("trisect", Value::Boolean(method.trisect));
     put("merge_across_modes", Value::Boolean(method.merge_across_modes));
     put("parameter_rule", named(method.parameter_rule));

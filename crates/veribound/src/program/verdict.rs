@@ -73,6 +73,17 @@ fn told<'m>(model: &'m Model, refutation: &Refutation) -> Told<'m> {
                 subject: format!("what `{name}` proves to be zero"),
             }
         }
+        Contradiction::Motion { pair, enclosure, needed } => {
+            let rate = model.states.get(pair.rate);
+            let name = rate.map_or("", |state| state.name.as_str());
+            Told {
+                name,
+                unit: rate.map_or("", |state| state.unit.as_str()),
+                enclosure: *enclosure,
+                allowed: *needed,
+                subject: name.to_owned(),
+            }
+        }
     }
 }
 
@@ -97,6 +108,7 @@ fn refuted(model: &Model, record: &Record, refutation: &Refutation) -> Diagnosti
     let who = match &refutation.contradiction {
         Contradiction::Output { .. } => "the measurement allows",
         Contradiction::Signal { .. } => "the signal allows",
+        Contradiction::Motion { .. } => "how far the measurements say it moved allows",
     };
     let label = format!(
         "t = {} s: the enclosure of {subject} is {}{unit}; {who} {}{unit}: gap {gap}{unit}",
@@ -108,6 +120,10 @@ fn refuted(model: &Model, record: &Record, refutation: &Refutation) -> Diagnosti
         Contradiction::Output { .. } => format!(
             "widen what is not certain: the error bound of `{name}`, the priors, `--input-error`, \
              or `--reset` for a parameter that changes"
+        ),
+        Contradiction::Motion { .. } => String::from(
+            "widen what is not certain: the error bounds of the outputs, the priors, `--input-error`, \
+             or `--reset` for a parameter that changes",
         ),
         Contradiction::Signal { .. } => {
             format!("check what `{name}` proves and its latency in the model file, or the priors")
