@@ -37,8 +37,8 @@
 //! std::fs::create_dir_all(&folder)?;
 //! let path = folder.join("push.csv");
 //! let mut text = String::from("t,F,pos\n");
-//! for k in 0..=40_u32 {
-//!     let (t, push) = (f64::from(k) / 20.0, if k < 10 { 0.5 } else { 5.0 });
+//! for k in 0..=200_u32 {
+//!     let (t, push) = (f64::from(k) / 100.0, if k < 50 { 0.5 } else { 5.0 });
 //!     let moving = (t - 0.5).max(0.0);
 //!     text += &format!("{t},{push},{:.4}\n", 0.5 * (5.0 - 1.0) / 2.0 * moving * moving);
 //! }
@@ -56,7 +56,7 @@
 //!     }
 //! }
 //! assert!(mass.contains(2.0));
-//! assert!(mass.width() < model.params[0].bounds.width());
+//! assert!(mass.width() < 0.5 * model.params[0].bounds.width());
 //! println!("the mass lies in {mass} kg"); // printed bounds are rounded outward
 //! # std::fs::remove_dir_all(&folder)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -78,8 +78,8 @@ mod simulation;
 
 pub use simulation::{Simulation, Stopped};
 pub use veribound_data::{
-    Cell as TableCell, Column, Record, RecordOptions, ResultFolder, RunInfo, Samples, Start, Summary,
-    TableWriter,
+    Cell as TableCell, Column, Record, RecordOptions, ResultFolder, RunInfo, Samples, Start,
+    Summary, TableWriter,
 };
 pub use veribound_estimate::{
     Cell, Contradiction, Estimate, Misuse, Observer, ObserverOptions, ParameterRule, Refutation,

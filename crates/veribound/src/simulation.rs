@@ -63,8 +63,11 @@ impl Simulation {
     pub fn new(model: &Model, params: &[Interval], start: &[Interval], steps: usize) -> Simulation {
         let system = System::new(model);
         // Stretches are divided here: their length is not known in advance.
-        let options =
-            StepOptions { order: ORDER, longest: f64::INFINITY, ..StepOptions::default() };
+        let options = StepOptions {
+            order: ORDER,
+            longest: f64::INFINITY,
+            ..StepOptions::default()
+        };
         Simulation {
             workspace: Workspace::new(&system, options),
             steps: steps.max(1),

@@ -14,7 +14,12 @@ use veribound_interval::Decimal;
 /// What is printed is proved: if the record's errors stay inside the bounds of the model file, the
 /// true values lie inside the printed ones.
 #[derive(Debug, Parser)]
-#[command(name = "veribound", version, max_term_width = 100, arg_required_else_help = true)]
+#[command(
+    name = "veribound",
+    version,
+    max_term_width = 100,
+    arg_required_else_help = true
+)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -27,9 +32,11 @@ pub enum Command {
     /// Read a model file and say what it was understood to mean
     Check(Check),
     /// Bound the parameters and states of a model from a record, sample by sample
-    #[command(after_help = "Exit codes: 0 consistent, 1 proved inconsistent, 2 wrong input or \
+    #[command(
+        after_help = "Exit codes: 0 consistent, 1 proved inconsistent, 2 wrong input or \
                             usage, 3 undecided, 130 interrupted (files complete up to the last \
-                            sample).")]
+                            sample)."
+    )]
     Observe(Box<Observe>),
     /// Make a record of a model with known parameters; its errors are proved to stay in bounds
     Simulate(Simulate),
@@ -170,7 +177,12 @@ pub struct Showing {
           default_values_t = [Format::Svg, Format::Png])]
     pub figures: Vec<Format>,
     /// Stretch of time that the figure of the outputs enlarges: FROM..TO in seconds, auto, or off
-    #[arg(long, value_name = "FROM..TO", default_value = "auto", allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "FROM..TO",
+        default_value = "auto",
+        allow_hyphen_values = true
+    )]
     pub zoom: ZoomFlag,
     /// Show the parameters of an earlier run in its folder behind those of this one
     #[arg(long, value_name = "DIR")]
@@ -190,7 +202,12 @@ pub struct Simulate {
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
     /// Value of every parameter
-    #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',', required = true)]
+    #[arg(
+        long,
+        value_name = "NAME=VALUE,...",
+        value_delimiter = ',',
+        required = true
+    )]
     pub params: Vec<Assignment>,
     /// Start value of the states; needed where the model file has an interval
     #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',')]
@@ -291,7 +308,9 @@ fn count(least: u64) -> impl clap::builder::TypedValueParser<Value = usize> {
 /// A whole number in a range.
 fn count_up_to(least: u64, most: u64) -> impl clap::builder::TypedValueParser<Value = usize> {
     use clap::builder::TypedValueParser;
-    clap::value_parser!(u64).range(least..=most).map(|count| count as usize)
+    clap::value_parser!(u64)
+        .range(least..=most)
+        .map(|count| count as usize)
 }
 
 #[cfg(test)]

@@ -27,7 +27,11 @@ pub fn weaken(model: &mut Model, flags: &Assumptions) -> Result<Vec<String>, Dia
             Err(problem) => problems.push(problem),
         }
     }
-    if problems.is_empty() { Ok(said) } else { Err(Diagnostics(problems)) }
+    if problems.is_empty() {
+        Ok(said)
+    } else {
+        Err(Diagnostics(problems))
+    }
 }
 
 fn reset(model: &mut Model, flag: &ResetFlag) -> Result<String, Diagnostic> {
@@ -45,14 +49,25 @@ fn reset(model: &mut Model, flag: &ResetFlag) -> Result<String, Diagnostic> {
         ));
     };
     let event_time = |event: &str| {
-        let resets = model.signals.iter().enumerate().flat_map(|(at, signal)| {
-            signal.resets.iter().map(move |reset| (at, reset))
-        });
-        resets.into_iter().find(|(_, reset)| reset.event == event).map(|(at, reset)| {
-            (at, flag.lasts.clone().unwrap_or_else(|| reset.lasts.clone()))
-        })
+        let resets = model
+            .signals
+            .iter()
+            .enumerate()
+            .flat_map(|(at, signal)| signal.resets.iter().map(move |reset| (at, reset)));
+        resets
+            .into_iter()
+            .find(|(_, reset)| reset.event == event)
+            .map(|(at, reset)| {
+                (
+                    at,
+                    flag.lasts.clone().unwrap_or_else(|| reset.lasts.clone()),
+                )
+            })
     };
-    let by_signal = model.signals.iter().position(|signal| signal.name == trigger);
+    let by_signal = model
+        .signals
+        .iter()
+        .position(|signal| signal.name == trigger);
     let by_signal = by_signal.map(|at| (at, flag.lasts.clone().unwrap_or_else(Decimal::zero)));
     let Some((signal, lasts)) = by_signal.or_else(|| event_time(trigger)) else {
         let signals = list(model.signals.iter().map(|signal| signal.name.as_str()));
@@ -67,10 +82,17 @@ fn reset(model: &mut Model, flag: &ResetFlag) -> Result<String, Diagnostic> {
     let change = format!(
         "{name} may take a new value at every sample at which {} has been true for {lasts} s \
          (--reset)",
-        model.signals.get(signal).map_or("", |signal| signal.name.as_str()),
+        model
+            .signals
+            .get(signal)
+            .map_or("", |signal| signal.name.as_str()),
     );
     if let Some(signal) = model.signals.get_mut(signal) {
-        signal.resets.push(Reset { event: trigger.to_owned(), param, lasts });
+        signal.resets.push(Reset {
+            event: trigger.to_owned(),
+            param,
+            lasts,
+        });
     }
     Ok(change)
 }
@@ -78,7 +100,11 @@ fn reset(model: &mut Model, flag: &ResetFlag) -> Result<String, Diagnostic> {
 fn input_error(model: &mut Model, flag: &InputErrorFlag) -> Result<String, Diagnostic> {
     let typed = |range| ("--input-error", flag.text.as_str(), range);
     let known = list(model.inputs.iter().map(|input| input.name.as_str()));
-    let Some(input) = model.inputs.iter_mut().find(|input| input.name == flag.input) else {
+    let Some(input) = model
+        .inputs
+        .iter_mut()
+        .find(|input| input.name == flag.input)
+    else {
         return Err(flag_problem(
             "E0603",
             format!("the model has no input `{}`", flag.input),
@@ -87,8 +113,16 @@ fn input_error(model: &mut Model, flag: &InputErrorFlag) -> Result<String, Diagn
             format!("its inputs are {known}"),
         ));
     };
-    let own = if flag.is_relative { &mut input.error.relative } else { &mut input.error.absolute };
-    let kind = if flag.is_relative { "times the recorded value" } else { input.unit.as_str() };
+    let own = if flag.is_relative {
+        &mut input.error.relative
+    } else {
+        &mut input.error.absolute
+    };
+    let kind = if flag.is_relative {
+        "times the recorded value"
+    } else {
+        input.unit.as_str()
+    };
     if flag.bound < *own {
         return Err(flag_problem(
             "E0604",
@@ -127,7 +161,10 @@ mod tests {
     fn flags(reset: &[&str], input_error: &[&str]) -> Assumptions {
         Assumptions {
             reset: reset.iter().map(|text| text.parse().unwrap()).collect(),
-            input_error: input_error.iter().map(|text| text.parse().unwrap()).collect(),
+            input_error: input_error
+                .iter()
+                .map(|text| text.parse().unwrap())
+                .collect(),
             start_from: None,
         }
     }
@@ -139,12 +176,23 @@ mod tests {
     #[test]
     fn a_reset_is_added_to_those_of_the_model() {
         let mut model = model();
-        let said = weaken(&mut model, &flags(&["a@still:0.2", "a@stop", "a@still"], &[])).unwrap();
-        let lasts: Vec<Decimal> =
-            model.signals[0].resets.iter().map(|reset| reset.lasts.clone()).collect();
+        let said = weaken(
+            &mut model,
+            &flags(&["a@still:0.2", "a@stop", "a@still"], &[]),
+        )
+        .unwrap();
+        let lasts: Vec<Decimal> = model.signals[0]
+            .resets
+            .iter()
+            .map(|reset| reset.lasts.clone())
+            .collect();
         assert_eq!(lasts, ["0.5", "0.2", "0.5", "0"].map(number));
         assert_eq!(said.len(), 3);
-        assert!(said[0].contains("still has been true for 0.2 s"), "{}", said[0]);
+        assert!(
+            said[0].contains("still has been true for 0.2 s"),
+            "{}",
+            said[0]
+        );
     }
 
     #[test]

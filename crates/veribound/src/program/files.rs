@@ -60,15 +60,23 @@ impl<'m> Files<'m> {
         row.extend([Cell::Text(&modes), Cell::Count(estimate.boxes)]);
         self.states.row(&sample.time, &row)?;
         let names = self.model.params.iter().zip(&estimate.resets);
-        let resets = joined(names.filter(|(_, is_reset)| **is_reset).map(|(p, _)| p.name.as_str()));
+        let resets = joined(
+            names
+                .filter(|(_, is_reset)| **is_reset)
+                .map(|(p, _)| p.name.as_str()),
+        );
         let mut row: Vec<Cell> = estimate.params.iter().map(|p| Cell::Bounds(*p)).collect();
         row.push(Cell::Text(&resets));
         self.params.row(&sample.time, &row)?;
         let pairs = |list: &[Interval]| list.iter().map(|x| (x.lo(), x.hi())).collect::<Vec<_>>();
-        let measured: Vec<Option<(f64, f64)>> =
-            sample.outputs.iter().map(|y| y.map(|y| (y.lo(), y.hi()))).collect();
-        let modes: Vec<bool> =
-            (0..self.model.modes.len()).map(|mode| estimate.modes.contains(mode)).collect();
+        let measured: Vec<Option<(f64, f64)>> = sample
+            .outputs
+            .iter()
+            .map(|y| y.map(|y| (y.lo(), y.hi())))
+            .collect();
+        let modes: Vec<bool> = (0..self.model.modes.len())
+            .map(|mode| estimate.modes.contains(mode))
+            .collect();
         let row = SampleRow {
             t: sample.time.to_interval().mid(),
             outputs: &pairs(&estimate.outputs),
@@ -114,7 +122,10 @@ impl<'m> Files<'m> {
         overlay: Option<&History>,
         summary: &RunSummary,
     ) -> Result<String, Diagnostic> {
-        let (svg, png) = (formats.contains(&Format::Svg), formats.contains(&Format::Png));
+        let (svg, png) = (
+            formats.contains(&Format::Svg),
+            formats.contains(&Format::Png),
+        );
         if (svg || png) && !formats.contains(&Format::None) {
             let figures = match overlay {
                 Some(other) => self.history.render_compared(other),
@@ -123,7 +134,8 @@ impl<'m> Files<'m> {
             for figure in figures {
                 let name = format!("fig/{}", figure.name);
                 if svg {
-                    self.folder.write(&format!("{name}.svg"), figure.svg.as_bytes())?;
+                    self.folder
+                        .write(&format!("{name}.svg"), figure.svg.as_bytes())?;
                 }
                 if png {
                     let pixels =
@@ -135,7 +147,10 @@ impl<'m> Files<'m> {
         self.states.finish()?;
         self.params.finish()?;
         let mut text = serde_json::to_string_pretty(summary).map_err(|error| {
-            Diagnostic::new("E0503", format!("the summary cannot be written as JSON: {error}"))
+            Diagnostic::new(
+                "E0503",
+                format!("the summary cannot be written as JSON: {error}"),
+            )
         })?;
         text.push('\n');
         self.folder.write("summary.json", text.as_bytes())?;
@@ -149,7 +164,11 @@ impl<'m> Files<'m> {
 
     fn mode_names(&self, modes: ModeSet) -> String {
         let names = self.model.modes.iter().enumerate();
-        joined(names.filter(|(mode, _)| modes.contains(*mode)).map(|(_, m)| m.name.as_str()))
+        joined(
+            names
+                .filter(|(mode, _)| modes.contains(*mode))
+                .map(|(_, m)| m.name.as_str()),
+        )
     }
 }
 
@@ -158,7 +177,10 @@ pub fn figure_meta(model: &Model, zoom: Zoom, sample_time_ms: Option<f64>) -> Fi
     let params = model.params.iter().map(|param| Parameter {
         quantity: Quantity::new(param.name.as_str(), param.unit.as_str()),
         prior: (param.bounds.lo(), param.bounds.hi()),
-        nominal: param.nominal.as_ref().map(|nominal| nominal.to_interval().mid()),
+        nominal: param
+            .nominal
+            .as_ref()
+            .map(|nominal| nominal.to_interval().mid()),
     });
     FigureMeta {
         title: model.name.clone(),

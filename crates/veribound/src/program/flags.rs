@@ -39,7 +39,9 @@ impl FromStr for ColumnFlag {
 
     fn from_str(text: &str) -> Result<Self, String> {
         match text.split_once('=') {
-            Some((variable, column)) if !variable.trim().is_empty() && !column.trim().is_empty() => {
+            Some((variable, column))
+                if !variable.trim().is_empty() && !column.trim().is_empty() =>
+            {
                 Ok(ColumnFlag {
                     variable: variable.trim().to_owned(),
                     column: column.trim().to_owned(),
@@ -69,7 +71,10 @@ impl FromStr for ResetFlag {
     fn from_str(text: &str) -> Result<Self, String> {
         let wanted = "expected PARAM@SIGNAL:SECONDS, as in T_Fs@still:0.2";
         let at = text.find('@').ok_or(wanted)?;
-        let end = text.rfind(':').filter(|colon| *colon > at).unwrap_or(text.len());
+        let end = text
+            .rfind(':')
+            .filter(|colon| *colon > at)
+            .unwrap_or(text.len());
         let lasts = match text.get(end + 1..) {
             None => None,
             Some(seconds) => {
@@ -83,7 +88,12 @@ impl FromStr for ResetFlag {
         if at == 0 || end == at + 1 {
             return Err(wanted.to_owned());
         }
-        Ok(ResetFlag { text: text.to_owned(), param: 0..at, trigger: at + 1..end, lasts })
+        Ok(ResetFlag {
+            text: text.to_owned(),
+            param: 0..at,
+            trigger: at + 1..end,
+            lasts,
+        })
     }
 }
 
@@ -124,7 +134,12 @@ impl FromStr for InputErrorFlag {
         if bound.is_negative() {
             return Err("an error bound cannot be negative".to_owned());
         }
-        Ok(InputErrorFlag { text: text.to_owned(), input: input.to_owned(), bound, is_relative })
+        Ok(InputErrorFlag {
+            text: text.to_owned(),
+            input: input.to_owned(),
+            bound,
+            is_relative,
+        })
     }
 }
 
@@ -176,7 +191,10 @@ impl FromStr for Assignment {
         if name.trim().is_empty() {
             return Err(wanted.to_owned());
         }
-        Ok(Assignment { name: name.trim().to_owned(), value: decimal(value.trim())? })
+        Ok(Assignment {
+            name: name.trim().to_owned(),
+            value: decimal(value.trim())?,
+        })
     }
 }
 
@@ -221,7 +239,14 @@ mod tests {
         let flag: ResetFlag = "T_Fs@standstill".parse().unwrap();
         assert_eq!(&flag.text[flag.trigger.clone()], "standstill");
         assert_eq!(flag.lasts, None);
-        for wrong in ["T_Fs", "@still", "T_Fs@", "T_Fs@:1", "T_Fs@still:", "T_Fs@still:-1"] {
+        for wrong in [
+            "T_Fs",
+            "@still",
+            "T_Fs@",
+            "T_Fs@:1",
+            "T_Fs@still:",
+            "T_Fs@still:-1",
+        ] {
             assert!(wrong.parse::<ResetFlag>().is_err(), "{wrong}");
         }
     }
@@ -257,7 +282,10 @@ mod tests {
         assert!("-0.1".parse::<ErrorFlag>().is_err());
         assert_eq!(
             "phi_m=angle".parse::<ColumnFlag>().unwrap(),
-            ColumnFlag { variable: "phi_m".into(), column: "angle".into() }
+            ColumnFlag {
+                variable: "phi_m".into(),
+                column: "angle".into()
+            }
         );
         assert!("phi_m".parse::<ColumnFlag>().is_err());
     }

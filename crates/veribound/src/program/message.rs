@@ -23,7 +23,9 @@ pub fn remark(text: &str) {
 /// Writes problems to stderr, in colour on a terminal.
 pub fn complain(problems: &Diagnostics) {
     let color = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    let _ = io::stderr().lock().write_all(problems.render(color).as_bytes());
+    let _ = io::stderr()
+        .lock()
+        .write_all(problems.render(color).as_bytes());
 }
 
 /// A problem with the value of a flag, shown as it was typed.

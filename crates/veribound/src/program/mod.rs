@@ -42,8 +42,11 @@ pub fn main() -> ExitCode {
 }
 
 fn unsound(error: &veribound_interval::SelfTestError) -> Diagnostic {
-    Diagnostic::new("E0507", format!("the arithmetic of this machine cannot be trusted: {error}"))
-        .help("run it on a machine, or in a process, with plain round-to-nearest arithmetic")
+    Diagnostic::new(
+        "E0507",
+        format!("the arithmetic of this machine cannot be trusted: {error}"),
+    )
+    .help("run it on a machine, or in a process, with plain round-to-nearest arithmetic")
 }
 
 /// What every part of the program gives back: how it ended, or what was wrong with the input.

@@ -21,7 +21,10 @@ pub struct Written {
 impl Noise {
     /// Errors of the given seed, written with `decimals` places.
     pub fn new(seed: u64, decimals: usize) -> Noise {
-        Noise { state: seed, decimals }
+        Noise {
+            state: seed,
+            decimals,
+        }
     }
 
     /// Places after the point.
@@ -108,7 +111,7 @@ mod tests {
         for value in [0.0, -0.00001, 1.23456, -155.55555, 1e9 + 0.1] {
             let written = noise.write(value);
             assert!((written.exact() - Interval::point(value)).mag() <= noise.rounding());
-            assert!(!written.to_string().starts_with("-0.0000") , "{written}");
+            assert!(!written.to_string().starts_with("-0.0000"), "{written}");
         }
     }
 }

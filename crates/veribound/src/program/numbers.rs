@@ -8,11 +8,21 @@ const MOST_DIGITS: usize = 15;
 /// Both ends, rounded outward with the fewest digits that widen the interval by at most 2 %.
 pub fn readable(bounds: Interval) -> (String, String) {
     let allowed = bounds.width() * 1.02;
-    let ends = |digits| (text::lower(bounds.lo(), digits), text::upper(bounds.hi(), digits));
-    let fits = |(lo, hi): &(String, String)| {
-        enclosed(lo).zip(enclosed(hi)).is_none_or(|(lo, hi)| hi.hull(lo).width() <= allowed)
+    let ends = |digits| {
+        (
+            text::lower(bounds.lo(), digits),
+            text::upper(bounds.hi(), digits),
+        )
     };
-    (3..MOST_DIGITS).map(ends).find(fits).unwrap_or_else(|| ends(MOST_DIGITS))
+    let fits = |(lo, hi): &(String, String)| {
+        enclosed(lo)
+            .zip(enclosed(hi))
+            .is_none_or(|(lo, hi)| hi.hull(lo).width() <= allowed)
+    };
+    (3..MOST_DIGITS)
+        .map(ends)
+        .find(fits)
+        .unwrap_or_else(|| ends(MOST_DIGITS))
 }
 
 /// The interval as text: `[lo, hi]`, rounded outward.
@@ -21,13 +31,21 @@ pub fn show(bounds: Interval) -> String {
         return "none".to_owned();
     }
     let (lo, hi) = readable(bounds);
-    if lo == hi { lo } else { format!("[{lo}, {hi}]") }
+    if lo == hi {
+        lo
+    } else {
+        format!("[{lo}, {hi}]")
+    }
 }
 
 /// A prior as the user spelled it.
 pub fn show_prior(prior: Interval) -> String {
     let (lo, hi) = spelled(prior);
-    if lo == hi { lo } else { format!("[{lo}, {hi}]") }
+    if lo == hi {
+        lo
+    } else {
+        format!("[{lo}, {hi}]")
+    }
 }
 
 /// What is proved to lie in `bounds` and, by the user's word, in `prior`: an end at which nothing was
@@ -44,7 +62,11 @@ pub fn show_inside(bounds: Interval, prior: Interval) -> String {
     if bounds.hi() == prior.hi() {
         hi = prior_hi;
     }
-    if lo == hi { lo } else { format!("[{lo}, {hi}]") }
+    if lo == hi {
+        lo
+    } else {
+        format!("[{lo}, {hi}]")
+    }
 }
 
 /// By how much `bounds` are narrower than `prior`, as a percentage rounded down; none where the prior
@@ -54,8 +76,13 @@ pub fn shrink(bounds: Interval, prior: Interval) -> Option<String> {
     if bounds.is_empty() || !prior.is_bounded() || whole <= 0.0 {
         return None;
     }
-    let share = round::sub_down(1.0, round::div_up(bounds.width(), whole)).max(0.0);
-    let percent = round::mul_down(share, 100.0);
+    let share = round::sub_down(1.0, round::div_up(bounds.width(), whole));
+    // Not `max`: it may keep the sign of a zero.
+    let percent = if share > 0.0 {
+        round::mul_down(share, 100.0)
+    } else {
+        0.0
+    };
     let decimals = match percent {
         p if p < 99.0 => 0,
         p if p < 99.9 => 1,
@@ -82,7 +109,9 @@ fn spelled(read: Interval) -> (String, String) {
 }
 
 fn enclosed(text: &str) -> Option<Interval> {
-    Decimal::parse(text).ok().map(|decimal| decimal.to_interval())
+    Decimal::parse(text)
+        .ok()
+        .map(|decimal| decimal.to_interval())
 }
 
 #[cfg(test)]
@@ -95,8 +124,14 @@ mod tests {
 
     #[test]
     fn few_digits_and_still_outward() {
-        assert_eq!(show(Interval::new(-2.652_81, -1.537_49).unwrap()), "[-2.66, -1.53]");
-        assert_eq!(show(Interval::new(199.9912, 200.0151).unwrap()), "[199.9911, 200.0152]");
+        assert_eq!(
+            show(Interval::new(-2.652_81, -1.537_49).unwrap()),
+            "[-2.66, -1.53]"
+        );
+        assert_eq!(
+            show(Interval::new(199.991_21, 200.015_09).unwrap()),
+            "[199.9912, 200.0151]"
+        );
         assert_eq!(show(Interval::EMPTY), "none");
         assert_eq!(show(Interval::ENTIRE), "[-inf, inf]");
         assert_eq!(show(Interval::ZERO), "0");
@@ -113,7 +148,10 @@ mod tests {
     #[test]
     fn a_shrink_is_never_too_large() {
         let prior = between("0", "0.3");
-        assert_eq!(shrink(between("0.14", "0.16"), prior).as_deref(), Some("93 %"));
+        assert_eq!(
+            shrink(between("0.14", "0.16"), prior).as_deref(),
+            Some("93 %")
+        );
         assert_eq!(shrink(prior, prior).as_deref(), Some("0 %"));
         let prior = Interval::new(0.0, 1000.0).unwrap();
         let narrow = Interval::new(1.0, 1.0006).unwrap();

@@ -58,18 +58,30 @@ pub fn run(arguments: &Observe) -> Outcome {
     };
     let meta = figure_meta(&model, zoom, sample_time_ms(&record));
     let other = arguments.showing.overlay.as_deref();
-    let other = other.map(|folder| overlay::read(folder, &model, &meta)).transpose()?;
+    let other = other
+        .map(|folder| overlay::read(folder, &model, &meta))
+        .transpose()?;
     let run_info = run_info::of(arguments, &record, start.as_ref(), &said)?;
     if !arguments.showing.quiet {
-        said.iter().for_each(|change| message::remark(&format!("note: {change}")));
-        record.warnings().iter().for_each(|text| message::remark(&format!("warning: {text}")));
+        said.iter()
+            .for_each(|change| message::remark(&format!("note: {change}")));
+        record
+            .warnings()
+            .iter()
+            .for_each(|text| message::remark(&format!("warning: {text}")));
     }
 
     // [2/4] The record, sample by sample.
     let folder = ResultFolder::create(&arguments.output)?;
     let mut files = Files::create(&model, folder, meta)?;
     let bar = progress(&record, arguments.showing.quiet);
-    let found = follow(&record, &model, &mut observer, &mut files, (&interrupt, &bar));
+    let found = follow(
+        &record,
+        &model,
+        &mut observer,
+        &mut files,
+        (&interrupt, &bar),
+    );
     bar.finish_and_clear();
     let found = found?;
 
@@ -78,7 +90,11 @@ pub fn run(arguments: &Observe) -> Outcome {
         files.refuted_at(&refutation.time);
     }
     let end = found.last.as_ref().map_or(record.first(), |(time, _)| time);
-    let cells = if found.refutation.is_some() { &[] } else { observer.cells() };
+    let cells = if found.refutation.is_some() {
+        &[]
+    } else {
+        observer.cells()
+    };
     files.boxes(end, cells)?;
     run_info.write(files.folder())?;
     let summary = RunSummary {
@@ -95,7 +111,12 @@ pub fn run(arguments: &Observe) -> Outcome {
         message::say(&json);
     } else if !arguments.showing.quiet {
         let figures = !formats.contains(&Format::None) && !formats.is_empty();
-        message::say(&table::of(&model, &record, &found, (&arguments.output, figures)));
+        message::say(&table::of(
+            &model,
+            &record,
+            &found,
+            (&arguments.output, figures),
+        ));
     }
     Ok(found.ending)
 }
@@ -105,7 +126,9 @@ fn open_record(arguments: &Observe, model: &Model) -> Result<Record, Diagnostics
     let columns = reading.column.iter();
     let options = RecordOptions {
         time: reading.time.clone(),
-        columns: columns.map(|flag| (flag.variable.clone(), flag.column.clone())).collect(),
+        columns: columns
+            .map(|flag| (flag.variable.clone(), flag.column.clone()))
+            .collect(),
         from: reading.from.clone(),
         to: reading.to.clone(),
     };
@@ -120,7 +143,11 @@ fn start_from(
     said: &mut Vec<String>,
 ) -> Result<PathBuf, Diagnostic> {
     let start = Start::read(folder, model)?;
-    let boxes = if start.boxes.is_empty() { vec![start.params] } else { start.boxes };
+    let boxes = if start.boxes.is_empty() {
+        vec![start.params]
+    } else {
+        start.boxes
+    };
     if !observer.start_from(&boxes) {
         let shown = folder.display();
         let message = format!("no box of the run in `{shown}` lies inside the priors of the model");
@@ -133,7 +160,10 @@ fn start_from(
         folder.display()
     );
     let resettable = |at: usize| {
-        model.signals.iter().any(|signal| signal.resets.iter().any(|reset| reset.param == at))
+        model
+            .signals
+            .iter()
+            .any(|signal| signal.resets.iter().any(|reset| reset.param == at))
     };
     let names: Vec<&str> = (model.params.iter().enumerate())
         .filter(|(at, _)| resettable(*at))
@@ -193,7 +223,9 @@ fn follow(
         }
         let sample: Sample = sample?;
         let begun = Instant::now();
-        let verdict = observer.step(&sample).map_err(|misuse| changed(record, &misuse))?;
+        let verdict = observer
+            .step(&sample)
+            .map_err(|misuse| changed(record, &misuse))?;
         let seconds = begun.elapsed().as_secs_f64();
         found.work.worst_sample_s = found.work.worst_sample_s.max(seconds);
         match verdict {
@@ -229,15 +261,22 @@ fn follow(
 /// The record was checked before; a sample that does not fit now means that it was changed.
 fn changed(record: &Record, misuse: &veribound_estimate::Misuse) -> Diagnostic {
     let name = record.path().display();
-    Diagnostic::new("E0417", format!("`{name}` was changed while it was read: {misuse}"))
-        .help("run again when nothing writes to the record")
+    Diagnostic::new(
+        "E0417",
+        format!("`{name}` was changed while it was read: {misuse}"),
+    )
+    .help("run again when nothing writes to the record")
 }
 
 fn summary(model: &Model, found: &Findings) -> Summary {
     let refuted = found.refutation.is_some();
     let last = found.last.as_ref().map(|(_, estimate)| estimate);
     let known = |bounds: Option<&Interval>, before: Interval| {
-        if refuted { Interval::EMPTY } else { bounds.copied().unwrap_or(before) }
+        if refuted {
+            Interval::EMPTY
+        } else {
+            bounds.copied().unwrap_or(before)
+        }
     };
     let params = model.params.iter().enumerate().map(|(at, param)| {
         let bounds = known(last.and_then(|last| last.params.get(at)), param.bounds);
@@ -251,7 +290,10 @@ fn summary(model: &Model, found: &Findings) -> Summary {
     Summary {
         verdict,
         reason,
-        refutation: found.refutation.as_ref().map(|refutation| verdict::entry(model, refutation)),
+        refutation: found
+            .refutation
+            .as_ref()
+            .map(|refutation| verdict::entry(model, refutation)),
         samples: found.samples,
         parameters: params.collect(),
         states: states.collect(),

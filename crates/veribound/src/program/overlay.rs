@@ -17,16 +17,26 @@ pub fn read(folder: &Path, model: &Model, meta: &FigureMeta) -> Result<History, 
             .help("name the folder that an earlier run of this model wrote with `-o DIR`")
     };
     let mut table = csv::Reader::from_path(&path).map_err(|error| refuse(error.to_string()))?;
-    let header = table.headers().map_err(|error| refuse(error.to_string()))?.clone();
+    let header = table
+        .headers()
+        .map_err(|error| refuse(error.to_string()))?
+        .clone();
     let column = |name: &str| header.iter().position(|known| known == name);
     let mut places = Vec::new();
     for param in &model.params {
         let lo = column(&format!("{}.lo", param.name));
         let hi = column(&format!("{}.hi", param.name));
-        let missing = || refuse(format!("it has no bounds of the parameter `{}`", param.name));
+        let missing = || {
+            refuse(format!(
+                "it has no bounds of the parameter `{}`",
+                param.name
+            ))
+        };
         places.push(lo.zip(hi).ok_or_else(missing)?);
     }
-    let label = folder.file_name().map(|name| name.to_string_lossy().into_owned());
+    let label = folder
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned());
     let mut history = History::new(FigureMeta {
         label: label.unwrap_or_else(|| folder.display().to_string()),
         params: meta.params.clone(),
@@ -40,7 +50,9 @@ pub fn read(folder: &Path, model: &Model, meta: &FigureMeta) -> Result<History, 
             match text {
                 "-inf" => Some(f64::NEG_INFINITY),
                 "inf" => Some(f64::INFINITY),
-                _ => Decimal::parse(text).ok().map(|decimal| decimal.to_interval().mid()),
+                _ => Decimal::parse(text)
+                    .ok()
+                    .map(|decimal| decimal.to_interval().mid()),
             }
         };
         let bounds = places.iter().map(|(lo, hi)| number(*lo).zip(number(*hi)));
@@ -49,7 +61,11 @@ pub fn read(folder: &Path, model: &Model, meta: &FigureMeta) -> Result<History, 
             return Err(refuse("a row of it is not complete".to_owned()));
         };
         history
-            .push(&SampleRow { t, params: &params, ..SampleRow::default() })
+            .push(&SampleRow {
+                t,
+                params: &params,
+                ..SampleRow::default()
+            })
             .map_err(|error| refuse(error.to_string()))?;
     }
     Ok(history)

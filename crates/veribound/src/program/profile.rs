@@ -6,8 +6,8 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use veribound_data::{Record, RecordOptions};
 use veribound_interval::{Decimal, Interval};
-use veribound_model::diagnostic::{Diagnostic, Diagnostics};
 use veribound_model::Model;
+use veribound_model::diagnostic::{Diagnostic, Diagnostics};
 
 /// One sample of the record to be: inputs hold from here to the next.
 pub struct Stretch {
@@ -45,19 +45,35 @@ impl Profile {
                     .into());
             }
         };
-        if arguments.every.as_ref().is_some_and(|every| *every <= Decimal::zero()) {
-            return Err(Diagnostic::new("E0608", "the time between two samples must be above 0 s")
-                .help("write, for instance, `--every 0.01`")
-                .into());
+        if arguments
+            .every
+            .as_ref()
+            .is_some_and(|every| *every <= Decimal::zero())
+        {
+            return Err(
+                Diagnostic::new("E0608", "the time between two samples must be above 0 s")
+                    .help("write, for instance, `--every 0.01`")
+                    .into(),
+            );
         }
         if arguments.every.is_none() && points.len() < 2 {
-            return Err(Diagnostic::new("E0607", "the times of the samples are not given")
-                .help("say how long and how often: `--until 10 --every 0.01`")
-                .into());
+            return Err(
+                Diagnostic::new("E0607", "the times of the samples are not given")
+                    .help("say how long and how often: `--until 10 --every 0.01`")
+                    .into(),
+            );
         }
         let last = points.last().map(|(time, _)| time.clone());
-        let until = arguments.until.clone().or(last).unwrap_or_else(Decimal::zero);
-        Ok(Profile { points, until, every: arguments.every.clone() })
+        let until = arguments
+            .until
+            .clone()
+            .or(last)
+            .unwrap_or_else(Decimal::zero);
+        Ok(Profile {
+            points,
+            until,
+            every: arguments.every.clone(),
+        })
     }
 
     /// The samples in the order of time.
@@ -100,8 +116,11 @@ fn read(path: &Path, model: &Model) -> Result<Vec<(Decimal, Vec<Decimal>)>, Diag
     inputs.signals.clear();
     let record = Record::open(path, &inputs, RecordOptions::default())?;
     let refuse = |what: String| {
-        Diagnostic::new("E0417", format!("`{}` cannot be read again: {what}", path.display()))
-            .help("run again when nothing writes to the profile")
+        Diagnostic::new(
+            "E0417",
+            format!("`{}` cannot be read again: {what}", path.display()),
+        )
+        .help("run again when nothing writes to the profile")
     };
     let separator = separator(path).map_err(|error| refuse(error.to_string()))?;
     let mut table = csv::ReaderBuilder::new()
@@ -110,7 +129,10 @@ fn read(path: &Path, model: &Model) -> Result<Vec<(Decimal, Vec<Decimal>)>, Diag
         .trim(csv::Trim::All)
         .from_path(path)
         .map_err(|error| refuse(error.to_string()))?;
-    let header = table.headers().map_err(|error| refuse(error.to_string()))?.clone();
+    let header = table
+        .headers()
+        .map_err(|error| refuse(error.to_string()))?
+        .clone();
     let mut places = Vec::new();
     for (variable, column) in record.columns() {
         let place = header.iter().position(|name| name == column);
@@ -121,7 +143,9 @@ fn read(path: &Path, model: &Model) -> Result<Vec<(Decimal, Vec<Decimal>)>, Diag
     let mut points = Vec::new();
     for row in table.records() {
         let row = row.map_err(|error| refuse(error.to_string()))?;
-        let decimals = places.iter().map(|place| Decimal::parse(row.get(*place)?).ok());
+        let decimals = places
+            .iter()
+            .map(|place| Decimal::parse(row.get(*place)?).ok());
         let mut decimals: Vec<Decimal> = decimals
             .collect::<Option<_>>()
             .ok_or_else(|| refuse(format!("line {} is not complete", points.len() + 2)))?;
@@ -140,7 +164,9 @@ fn separator(path: &Path) -> std::io::Result<u8> {
         if line.trim().is_empty() || line.starts_with('#') {
             continue;
         }
-        let found = [b'\t', b';'].into_iter().find(|mark| line.as_bytes().contains(mark));
+        let found = [b'\t', b';']
+            .into_iter()
+            .find(|mark| line.as_bytes().contains(mark));
         return Ok(found.unwrap_or(b','));
     }
     Ok(b',')

@@ -39,14 +39,25 @@ pub fn run(arguments: &Simulate) -> Outcome {
     let mut noise = Noise::new(arguments.seed, arguments.decimals);
     let mut open = changes.into_iter().peekable();
     for stretch in profile.stretches() {
-        let Stretch { time, texts, inputs, to_next } = stretch?;
+        let Stretch {
+            time,
+            texts,
+            inputs,
+            to_next,
+        } = stretch?;
         while let Some(change) = open.next_if(|change| change.time <= time) {
             simulation.change(change.param, change.value.to_interval());
         }
-        let now = Now { model: &model, simulation: &simulation, inputs: &inputs };
+        let now = Now {
+            model: &model,
+            simulation: &simulation,
+            inputs: &inputs,
+        };
         // Writing to a String cannot fail.
         let _ = write!(text, "{time}");
-        texts.iter().for_each(|value| drop(write!(text, ",{value}")));
+        for value in &texts {
+            let _ = write!(text, ",{value}");
+        }
         for output in &model.outputs {
             let written = now.measure(output, &time, arguments.error.as_ref(), &mut noise)?;
             let _ = write!(text, ",{written}");
@@ -54,12 +65,17 @@ pub fn run(arguments: &Simulate) -> Outcome {
         for signal in &model.signals {
             // Standing still is claimed only where it is proved; a 0 claims nothing.
             let proved = !signal.proves_zero.is_empty()
-                && signal.proves_zero.iter().all(|expr| now.value(*expr) == Interval::ZERO);
+                && signal
+                    .proves_zero
+                    .iter()
+                    .all(|expr| now.value(*expr) == Interval::ZERO);
             let _ = write!(text, ",{}", u8::from(proved));
         }
         text.push('\n');
         if let Some(dt) = to_next {
-            simulation.advance(&inputs, dt.to_interval()).map_err(|stopped| too_wide(&time, &stopped))?;
+            simulation
+                .advance(&inputs, dt.to_interval())
+                .map_err(|stopped| too_wide(&time, &stopped))?;
         }
     }
     write_record(&arguments.output, &text)?;
@@ -108,7 +124,11 @@ impl Now<'_> {
             return Err(imprecise(output, time, value, noise.decimals()));
         }
         let reach = (bound - slack).max(0.0);
-        let share = if error == Some(&ErrorFlag::Worst) { noise.sign() } else { noise.share() };
+        let share = if error == Some(&ErrorFlag::Worst) {
+            noise.sign()
+        } else {
+            noise.share()
+        };
         let written = noise.write(value.mid() + share * reach);
         let within = bound.max(slack);
         let is_near = (written.exact() - value).mag() <= within;
@@ -129,9 +149,16 @@ fn size_of(bound: &ErrorBound, value: Interval) -> f64 {
 }
 
 fn params(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnostics> {
-    let names: Vec<&str> = model.params.iter().map(|param| param.name.as_str()).collect();
+    let names: Vec<&str> = model
+        .params
+        .iter()
+        .map(|param| param.name.as_str())
+        .collect();
     let values = assigned(("--params", "parameter"), &names, given)?;
-    let missing = names.iter().zip(&values).filter(|(_, value)| value.is_none());
+    let missing = names
+        .iter()
+        .zip(&values)
+        .filter(|(_, value)| value.is_none());
     let missing: Vec<&str> = missing.map(|(name, _)| *name).collect();
     if !missing.is_empty() {
         let message = format!("no value is given for {}", list(missing.iter().copied()));
@@ -140,11 +167,19 @@ fn params(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnost
             .help(format!("add `--params {}`", example.join(",")))
             .into());
     }
-    Ok(values.into_iter().flatten().map(|value| value.to_interval()).collect())
+    Ok(values
+        .into_iter()
+        .flatten()
+        .map(|value| value.to_interval())
+        .collect())
 }
 
 fn start(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnostics> {
-    let names: Vec<&str> = model.states.iter().map(|state| state.name.as_str()).collect();
+    let names: Vec<&str> = model
+        .states
+        .iter()
+        .map(|state| state.name.as_str())
+        .collect();
     let values = assigned(("--start", "state"), &names, given)?;
     let mut start = Vec::new();
     for (state, value) in model.states.iter().zip(values) {
@@ -175,7 +210,10 @@ fn assigned(
     for Assignment { name, value } in given {
         let typed = format!("{name}={value}");
         let place = (flag, typed.as_str(), 0..name.len());
-        let Some(slot) = names.iter().position(|known| known == name).and_then(|at| values.get_mut(at))
+        let Some(slot) = names
+            .iter()
+            .position(|known| known == name)
+            .and_then(|at| values.get_mut(at))
         else {
             let message = format!("the model has no {kind} `{name}`");
             let help = format!("it has {}", list(names.iter().copied()));
@@ -183,7 +221,13 @@ fn assigned(
         };
         if slot.replace(value.clone()).is_some() {
             let message = format!("the {kind} `{name}` is given twice");
-            return Err(flag_problem("E0608", message, place, "once more", "give it once"));
+            return Err(flag_problem(
+                "E0608",
+                message,
+                place,
+                "once more",
+                "give it once",
+            ));
         }
     }
     Ok(values)
@@ -194,18 +238,32 @@ fn changes(model: &Model, given: &[String]) -> Result<Vec<Change>, Diagnostic> {
     let mut changes = Vec::new();
     for text in given {
         let read = text.split_once(':').and_then(|(time, rest)| {
-            Decimal::parse(time).ok().zip(rest.parse::<Assignment>().ok())
+            Decimal::parse(time)
+                .ok()
+                .zip(rest.parse::<Assignment>().ok())
         });
         let whole = ("--change", text.as_str(), 0..text.len());
         let Some((time, Assignment { name, value })) = read else {
             let help = "write SECONDS:NAME=VALUE, as in 40:T_Fs=0.2";
             let message = format!("`{text}` does not say when which parameter changes");
-            return Err(flag_problem("E0608", message, whole, "not understood", help));
+            return Err(flag_problem(
+                "E0608",
+                message,
+                whole,
+                "not understood",
+                help,
+            ));
         };
         let Some(param) = model.params.iter().position(|param| param.name == name) else {
             let known = list(model.params.iter().map(|param| param.name.as_str()));
             let message = format!("the model has no parameter `{name}`");
-            return Err(flag_problem("E0601", message, whole, "unknown", format!("it has {known}")));
+            return Err(flag_problem(
+                "E0601",
+                message,
+                whole,
+                "unknown",
+                format!("it has {known}"),
+            ));
         };
         changes.push(Change { time, param, value });
     }
@@ -220,15 +278,21 @@ fn header(arguments: &Simulate, model: &Model) -> String {
         each.collect::<Vec<_>>().join(",")
     };
     let file = |path: &Path| {
-        path.file_name().map_or(String::new(), |name| name.to_string_lossy().into_owned())
+        path.file_name()
+            .map_or(String::new(), |name| name.to_string_lossy().into_owned())
     };
     let mut line = format!("# veribound simulate {}", file(&arguments.model));
-    let mut flag = |name: &str, value: String| drop(write!(line, " --{name} {value}"));
+    let mut flag = |name: &str, value: String| {
+        let _ = write!(line, " --{name} {value}");
+    };
     flag("params", assignments(&arguments.params));
     if !arguments.start.is_empty() {
         flag("start", assignments(&arguments.start));
     }
-    arguments.change.iter().for_each(|change| flag("change", change.clone()));
+    arguments
+        .change
+        .iter()
+        .for_each(|change| flag("change", change.clone()));
     if let Some(input) = &arguments.input {
         flag("input", file(input));
     }
@@ -247,34 +311,61 @@ fn header(arguments: &Simulate, model: &Model) -> String {
     flag("steps", arguments.steps.to_string());
     let column = |name: &str, own: Option<&String>, unit: &str| {
         let name = own.map_or(name, String::as_str);
-        if unit.is_empty() || name.contains('[') { name.to_owned() } else { format!("{name} [{unit}]") }
+        if unit.is_empty() || name.contains('[') {
+            name.to_owned()
+        } else {
+            format!("{name} [{unit}]")
+        }
     };
     let mut columns = vec!["t [s]".to_owned()];
-    let inputs = model.inputs.iter().map(|x| column(&x.name, x.column.as_ref(), &x.unit));
-    let outputs = model.outputs.iter().map(|y| column(&y.name, y.column.as_ref(), &y.unit));
-    let signals = model.signals.iter().map(|s| column(&s.name, s.column.as_ref(), ""));
+    let inputs = model
+        .inputs
+        .iter()
+        .map(|x| column(&x.name, x.column.as_ref(), &x.unit));
+    let outputs = model
+        .outputs
+        .iter()
+        .map(|y| column(&y.name, y.column.as_ref(), &y.unit));
+    let signals = model
+        .signals
+        .iter()
+        .map(|s| column(&s.name, s.column.as_ref(), ""));
     columns.extend(inputs.chain(outputs).chain(signals));
     format!("{line}\n{}\n", columns.join(","))
 }
 
 fn write_record(path: &Path, text: &str) -> Result<(), Diagnostic> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
     let folder = ResultFolder::create(folder.unwrap_or(Path::new(".")))?;
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let name = path
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned());
     let Some(name) = name else {
         let message = format!("`{}` is no name of a file", path.display());
-        return Err(Diagnostic::new("E0608", message).help("name the record, as in `-o record.csv`"));
+        return Err(
+            Diagnostic::new("E0608", message).help("name the record, as in `-o record.csv`")
+        );
     };
     let mut file = folder.file(&name)?;
-    file.write_all(text.as_bytes()).map_err(|error| file.refuse(&error))?;
+    file.write_all(text.as_bytes())
+        .map_err(|error| file.refuse(&error))?;
     file.finish()?;
-    remark(&format!("  {} lines in {}", text.lines().count(), path.display()));
+    remark(&format!(
+        "  {} lines in {}",
+        text.lines().count(),
+        path.display()
+    ));
     Ok(())
 }
 
 fn too_wide(time: &Decimal, stopped: &Stopped) -> Diagnostic {
-    Diagnostic::new("E0609", format!("the simulation stopped at t = {time} s: {stopped}"))
-        .help("use more internal steps with `--steps`, or stop earlier with `--until`")
+    Diagnostic::new(
+        "E0609",
+        format!("the simulation stopped at t = {time} s: {stopped}"),
+    )
+    .help("use more internal steps with `--steps`, or stop earlier with `--until`")
 }
 
 fn imprecise(output: &Output, time: &Decimal, value: Interval, decimals: usize) -> Diagnostic {
@@ -284,8 +375,9 @@ fn imprecise(output: &Output, time: &Decimal, value: Interval, decimals: usize) 
         output.name,
         numbers::show(value)
     );
-    Diagnostic::new("E0609", message)
-        .help("use more internal steps (`--steps`) or decimals (`--decimals`), or a larger `--error`")
+    Diagnostic::new("E0609", message).help(
+        "use more internal steps (`--steps`) or decimals (`--decimals`), or a larger `--error`",
+    )
 }
 
 fn not_allowed(output: &Output, time: &Decimal, bound: f64) -> Diagnostic {

@@ -46,7 +46,9 @@ pub fn of(
                 show_inside(*bounds, param.bounds),
                 param.unit.clone(),
                 shrink(*bounds, param.bounds).unwrap_or_default(),
-                reset.as_ref().map_or(String::new(), |time| format!("since the reset at {time} s")),
+                reset
+                    .as_ref()
+                    .map_or(String::new(), |time| format!("since the reset at {time} s")),
             ]);
         }
         for (state, bounds) in model.states.iter().zip(&estimate.states) {

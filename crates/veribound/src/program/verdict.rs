@@ -18,12 +18,14 @@ use veribound_model::diagnostic::{Diagnostic, SourceText};
 pub fn in_words(model: &Model, found: &Findings) -> (Verdict, Option<String>) {
     match (&found.refutation, &found.undecided) {
         (Some(_), _) => (Verdict::Inconsistent, Some(NOTHING_EXPLAINS.to_owned())),
-        (None, Some(undecided)) => {
-            (Verdict::Undecided, Some(format!("{}: {}", stopped(undecided), why(model, undecided))))
-        }
-        (None, None) if found.samples == 0 => {
-            (Verdict::Undecided, Some("interrupted before the first sample".to_owned()))
-        }
+        (None, Some(undecided)) => (
+            Verdict::Undecided,
+            Some(format!("{}: {}", stopped(undecided), why(model, undecided))),
+        ),
+        (None, None) if found.samples == 0 => (
+            Verdict::Undecided,
+            Some("interrupted before the first sample".to_owned()),
+        ),
         (None, None) => (Verdict::Consistent, None),
     }
 }
@@ -52,7 +54,12 @@ struct Told<'m> {
 
 fn told<'m>(model: &'m Model, refutation: &Refutation) -> Told<'m> {
     match &refutation.contradiction {
-        Contradiction::Output { output, enclosure, measured, .. } => {
+        Contradiction::Output {
+            output,
+            enclosure,
+            measured,
+            ..
+        } => {
             let output = model.outputs.get(*output);
             let name = output.map_or("", |output| output.name.as_str());
             Told {
@@ -64,7 +71,10 @@ fn told<'m>(model: &'m Model, refutation: &Refutation) -> Told<'m> {
             }
         }
         Contradiction::Signal { signal, enclosure } => {
-            let name = model.signals.get(*signal).map_or("", |signal| signal.name.as_str());
+            let name = model
+                .signals
+                .get(*signal)
+                .map_or("", |signal| signal.name.as_str());
             Told {
                 name,
                 unit: "",
@@ -73,7 +83,11 @@ fn told<'m>(model: &'m Model, refutation: &Refutation) -> Told<'m> {
                 subject: format!("what `{name}` proves to be zero"),
             }
         }
-        Contradiction::Motion { pair, enclosure, needed } => {
+        Contradiction::Motion {
+            pair,
+            enclosure,
+            needed,
+        } => {
             let rate = model.states.get(pair.rate);
             let name = rate.map_or("", |state| state.name.as_str());
             Told {
@@ -102,8 +116,18 @@ pub fn explain(model: &Model, record: &Record, found: &Findings, at_length: bool
 
 /// The message of a proved contradiction.
 fn refuted(model: &Model, record: &Record, refutation: &Refutation) -> Diagnostic {
-    let Told { name, unit, enclosure, allowed, subject } = told(model, refutation);
-    let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
+    let Told {
+        name,
+        unit,
+        enclosure,
+        allowed,
+        subject,
+    } = told(model, refutation);
+    let unit = if unit.is_empty() {
+        String::new()
+    } else {
+        format!(" {unit}")
+    };
     let gap = text::lower((allowed - enclosure).mig(), 3);
     let who = match &refutation.contradiction {
         Contradiction::Output { .. } => "the measurement allows",
@@ -129,38 +153,60 @@ fn refuted(model: &Model, record: &Record, refutation: &Refutation) -> Diagnosti
             format!("check what `{name}` proves and its latency in the model file, or the priors")
         }
     };
-    at_line(Diagnostic::new("E0301", format!("{NOTHING_EXPLAINS} (proved)")), record, refutation.line, label)
-        .help(help)
+    at_line(
+        Diagnostic::new("E0301", format!("{NOTHING_EXPLAINS} (proved)")),
+        record,
+        refutation.line,
+        label,
+    )
+    .help(help)
 }
 
 /// The message of a run that stopped without a proof.
 fn not_decided(model: &Model, record: &Record, undecided: &Undecided) -> Diagnostic {
     let boxed = model.states.iter().map(|state| state.name.as_str());
     let boxed = boxed.chain(model.params.iter().map(|param| param.name.as_str()));
-    let cell: Vec<String> =
-        boxed.zip(&undecided.cell).map(|(name, x)| format!("{name} {}", show(*x))).collect();
+    let cell: Vec<String> = boxed
+        .zip(&undecided.cell)
+        .map(|(name, x)| format!("{name} {}", show(*x)))
+        .collect();
     let help = match undecided.reason {
         StepFailure::Apriori(AprioriFailure::Undefined { .. }) => {
-            "narrow the priors or start intervals so that every function is defined on them".to_owned()
+            "narrow the priors or start intervals so that every function is defined on them"
+                .to_owned()
         }
         StepFailure::LeavesDomain { .. } | StepFailure::InputOutsideDomain { .. } => {
             "declare a larger domain in the model file, if its modes leave no gap there".to_owned()
         }
-        _ => "try more boxes (`--boxes`, `--bisections`), or narrower priors; the results up to the \
+        _ => {
+            "try more boxes (`--boxes`, `--bisections`), or narrower priors; the results up to the \
               sample before hold"
-            .to_owned(),
+                .to_owned()
+        }
     };
     let label = format!("{} on the box {}", why(model, undecided), cell.join(", "));
-    at_line(Diagnostic::new("E0302", stopped(undecided)), record, undecided.line, label).help(help)
+    at_line(
+        Diagnostic::new("E0302", stopped(undecided)),
+        record,
+        undecided.line,
+        label,
+    )
+    .help(help)
 }
 
 fn stopped(undecided: &Undecided) -> String {
-    format!("nothing could be proved about the step to t = {} s", undecided.time)
+    format!(
+        "nothing could be proved about the step to t = {} s",
+        undecided.time
+    )
 }
 
 fn why(model: &Model, undecided: &Undecided) -> String {
     if let Some(state) = undecided.undefined_state() {
-        let name = model.states.get(state).map_or("", |state| state.name.as_str());
+        let name = model
+            .states
+            .get(state)
+            .map_or("", |state| state.name.as_str());
         return format!("the derivative of `{name}` is not defined everywhere");
     }
     match undecided.reason {
@@ -169,11 +215,17 @@ fn why(model: &Model, undecided: &Undecided) -> String {
             "no bounding box holds the solutions, even for the shortest step".to_owned()
         }
         StepFailure::LeavesDomain { state } => {
-            let name = model.states.get(state).map_or("", |state| state.name.as_str());
+            let name = model
+                .states
+                .get(state)
+                .map_or("", |state| state.name.as_str());
             format!("`{name}` may leave the domain in which the modes leave no gap")
         }
         StepFailure::InputOutsideDomain { input } => {
-            let name = model.inputs.get(input).map_or("", |input| input.name.as_str());
+            let name = model
+                .inputs
+                .get(input)
+                .map_or("", |input| input.name.as_str());
             format!("`{name}` is outside the domain in which the modes leave no gap")
         }
     }
@@ -188,5 +240,9 @@ fn at_line(problem: Diagnostic, record: &Record, number: usize, label: String) -
         .and_then(Result::ok)
         .unwrap_or_default();
     let end = line.len();
-    problem.at(&Arc::new(SourceText::excerpt(name, line, number)), 0..end, label)
+    problem.at(
+        &Arc::new(SourceText::excerpt(name, line, number)),
+        0..end,
+        label,
+    )
 }

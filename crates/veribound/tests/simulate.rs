@@ -1,0 +1,174 @@
+//! `veribound simulate`: what it writes is proved, and what it cannot prove it does not write.
+
+mod support;
+
+use support::{CART, Place, rig};
+
+/// `x' = -x` from 1, measured within 0.1.
+const DECAY: &str = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 3]\n\
+    der.x = \"-k * x\"\noutputs.y = \"x +- 0.1\"\n";
+
+fn column(record: &str, at: usize) -> Vec<f64> {
+    let rows = record.lines().skip(2);
+    rows.map(|row| row.split(',').nth(at).unwrap().parse().unwrap())
+        .collect()
+}
+
+#[test]
+fn errors_stay_inside_the_bound_that_was_asked_for() {
+    let place = Place::new();
+    let model = place.file("m.toml", DECAY);
+    let fixed = [
+        "simulate", &model, "--params", "k=1", "--until", "5", "--every", "0.05",
+    ];
+    let run = |more: &[&str]| {
+        let mut arguments = fixed.to_vec();
+        arguments.extend(more);
+        arguments.extend(["-o", "r.csv"]);
+        place.run(&arguments).ended(0);
+        let record = place.read("r.csv");
+        let (times, values) = (column(&record, 0), column(&record, 1));
+        assert_eq!(times.len(), 101);
+        times
+            .iter()
+            .zip(values)
+            .map(|(t, y)| y - (-t).exp())
+            .collect::<Vec<f64>>()
+    };
+    let errors = run(&["--error", "0.02"]);
+    assert!(errors.iter().all(|e| e.abs() <= 0.02 + 1e-12));
+    assert!(errors.iter().any(|e| *e > 0.01) && errors.iter().any(|e| *e < -0.01));
+    let worst = run(&["--error", "worst"]);
+    assert!(
+        worst.iter().all(|e| (0.098..=0.1).contains(&e.abs())),
+        "{worst:?}"
+    );
+    assert!(worst.iter().any(|e| *e > 0.0) && worst.iter().any(|e| *e < 0.0));
+    let rounded = run(&["--error", "0"]);
+    assert!(rounded.iter().all(|e| e.abs() < 1e-3));
+    assert_ne!(run(&["--seed", "2"]), run(&["--seed", "3"]));
+    assert_eq!(run(&["--seed", "2"]), run(&["--seed", "2"]));
+}
+
+#[test]
+fn standstill_is_written_only_where_it_is_proved() {
+    let place = Place::new();
+    let profile = place.file("p.csv", "t,u\n0,0.1\n1,0.3\n2,0\n4,0\n");
+    let model = rig("model.toml");
+    let params = "alpha=-2,beta=200,T_Fs=0.15";
+    let flags = [
+        "simulate", &model, "--params", params, "--start", "phi=0", "--input", &profile,
+    ];
+    let flags: Vec<&str> = flags
+        .into_iter()
+        .chain(["--every", "0.01", "-o", "r.csv"])
+        .collect();
+    place.run(&flags).ended(0);
+    let record = place.read("r.csv");
+    let still = column(&record, 3);
+    assert!(
+        still[..=100].iter().all(|s| *s == 1.0),
+        "it stands until the torque breaks it away"
+    );
+    assert!(still[101..=200].iter().all(|s| *s == 0.0));
+    assert!(
+        still[300..].iter().all(|s| *s == 1.0),
+        "it comes to rest again"
+    );
+    // The record is one the observer can explain, of course.
+    place.observe(&model, "r.csv", &[]).ended(0);
+}
+
+#[test]
+fn a_change_of_a_parameter_refutes_the_constant_one() {
+    let place = Place::new();
+    let (model, profile) = (rig("model.toml"), rig("profile.csv"));
+    let params = "alpha=-2,beta=200,T_Fs=0.15";
+    let flags = [
+        "simulate", &model, "--params", params, "--start", "phi=0", "--input", &profile,
+    ];
+    let more = [
+        "--every",
+        "0.01",
+        "--until",
+        "32",
+        "--change",
+        "12.5:T_Fs=0.05",
+        "-o",
+        "r.csv",
+    ];
+    let flags: Vec<&str> = flags.into_iter().chain(more).collect();
+    place.run(&flags).ended(0);
+    assert!(
+        place
+            .read("r.csv")
+            .starts_with("# veribound simulate model.toml --params alpha=-2")
+    );
+    place.observe(&model, "r.csv", &[]).ended(1);
+    place
+        .observe(&model, "r.csv", &["--reset", "T_Fs@still:0.2"])
+        .ended(0);
+}
+
+#[test]
+fn what_is_not_known_is_asked_for() {
+    let place = Place::new();
+    let (cart, decay) = (
+        place.file("cart.toml", CART),
+        place.file("decay.toml", DECAY),
+    );
+    let profile = place.file("p.csv", "t,u\n0,1\n0.15,2\n1,0\n");
+    let grid = ["--until", "1", "--every", "0.1", "-o", "r.csv"];
+    let refused = |flags: &[&str], code: &str, part: &str| {
+        let flags: Vec<&str> = ["simulate"]
+            .iter()
+            .chain(flags)
+            .chain(&grid)
+            .copied()
+            .collect();
+        let ran = place.run(&flags).ended(2);
+        assert!(
+            ran.err.contains(code) && ran.err.contains(part),
+            "{}",
+            ran.err
+        );
+        assert!(!place.path().join("r.csv").exists());
+    };
+    refused(&[&decay, "--params", "j=1"], "E0601", "`j`");
+    refused(&[&decay, "--params", "k=1,k=2"], "E0608", "twice");
+    refused(
+        &[&cart, "--params", "k=1"],
+        "E0607",
+        "`x` starts anywhere in [-1, 1]",
+    );
+    refused(
+        &[&cart, "--params", "k=1", "--start", "x=0"],
+        "E0607",
+        "--input",
+    );
+    let uneven = [
+        cart.as_str(),
+        "--params",
+        "k=1",
+        "--start",
+        "x=0",
+        "--input",
+        &profile,
+    ];
+    refused(&uneven, "E0608", "changes at t = 0.15 s");
+    refused(
+        &[&decay, "--params", "k=1", "--change", "x"],
+        "E0608",
+        "SECONDS:NAME=VALUE",
+    );
+    refused(
+        &[&decay, "--params", "k=1", "--decimals", "1"],
+        "E0609",
+        "`y`",
+    );
+    refused(
+        &[&decay, "--params", "k=1", "--error", "0.5"],
+        "E0610",
+        "more than the model allows",
+    );
+}

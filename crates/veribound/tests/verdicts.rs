@@ -1,0 +1,288 @@
+//! Verdicts, exit codes and files of whole runs.
+
+mod support;
+
+use support::{CART, Place, bounds, cart_record, rig};
+
+fn json(text: &str) -> serde_json::Value {
+    serde_json::from_str(text).unwrap()
+}
+
+#[test]
+fn a_consistent_run_writes_all_files() {
+    let place = Place::new();
+    let (model, record) = (
+        place.file("m.toml", CART),
+        place.file("r.csv", cart_record(21)),
+    );
+    let ran = place
+        .run(&["observe", &model, &record, "-o", "out"])
+        .ended(0);
+    assert_eq!(ran.err, "");
+    assert!(
+        ran.out.starts_with("  consistent   21 of 21 samples"),
+        "{}",
+        ran.out
+    );
+    assert!(ran.out.contains("k   [0, 4]"), "{}", ran.out);
+    let expected = [
+        "boxes.csv",
+        "fig/angle.png",
+        "fig/angle.svg",
+        "fig/modes.png",
+        "fig/modes.svg",
+        "fig/params.png",
+        "fig/params.svg",
+        "fig/states.png",
+        "fig/states.svg",
+        "fig/work.png",
+        "fig/work.svg",
+        "params.csv",
+        "run.toml",
+        "states.csv",
+        "summary.json",
+    ];
+    assert_eq!(place.files("out"), expected);
+    assert_eq!(bounds(&place.read("out/params.csv"), "k").len(), 21);
+    let run: toml::Table = place.read("out/run.toml").parse().unwrap();
+    assert_eq!(run["record"]["samples"].as_integer(), Some(21));
+    assert_eq!(run["options"]["boxes"].as_integer(), Some(50));
+    let summary = json(&place.read("out/summary.json"));
+    assert_eq!(summary["verdict"], "consistent");
+    assert_eq!(summary["samples"], 21);
+    assert_eq!(summary["interrupted"], false);
+    let k = &summary["parameters"]["k"];
+    assert!(k["lo"].as_f64().unwrap() <= 2.0 && k["hi"].as_f64().unwrap() >= 2.0);
+    assert!(k["hi"].as_f64().unwrap() - k["lo"].as_f64().unwrap() < 2.0);
+    assert_eq!(k["unit"], "m/(V*s)");
+    assert_eq!(k["prior"]["hi"], 4);
+    assert!(summary["work"]["box_steps"].as_u64().unwrap() > 20);
+}
+
+#[test]
+fn equal_runs_write_equal_files() {
+    let place = Place::new();
+    let (model, record) = (
+        place.file("m.toml", CART),
+        place.file("r.csv", cart_record(21)),
+    );
+    let tables = ["params.csv", "states.csv", "boxes.csv", "run.toml"];
+    place.observe(&model, &record, &[]).ended(0);
+    let first = tables.map(|name| place.read(&format!("out/{name}")));
+    place.observe(&model, &record, &[]).ended(0);
+    assert_eq!(tables.map(|name| place.read(&format!("out/{name}"))), first);
+}
+
+#[test]
+fn json_and_quiet_say_what_they_promise() {
+    let place = Place::new();
+    let (model, record) = (
+        place.file("m.toml", CART),
+        place.file("r.csv", cart_record(5)),
+    );
+    let ran = place.observe(&model, &record, &["--json"]).ended(0);
+    assert_eq!(ran.out, place.read("out/summary.json"));
+    let ran = place.observe(&model, &record, &["--quiet"]).ended(0);
+    assert_eq!((ran.out.as_str(), ran.err.as_str()), ("", ""));
+}
+
+#[test]
+fn a_contradiction_is_proved_with_its_place() {
+    let place = Place::new();
+    let record = cart_record(21).replace("1.5,1,3.0", "1.5,1,30.0");
+    let (model, record) = (place.file("m.toml", CART), place.file("r.csv", record));
+    let ran = place.observe(&model, &record, &[]).ended(1);
+    assert!(
+        ran.out
+            .starts_with("  inconsistent (proved)   15 of 21 samples"),
+        "{}",
+        ran.out
+    );
+    for part in [
+        "error[E0301]: no parameter in the prior explains the data (proved)",
+        "r.csv:17:",
+        "1.5,1,30.0",
+        "t = 1.5 s: the enclosure of pos is [",
+        "the measurement allows [29.899, 30.101] m: gap 2",
+        "help: ",
+    ] {
+        assert!(ran.err.contains(part), "no {part:?} in:\n{}", ran.err);
+    }
+    let summary = json(&place.read("out/summary.json"));
+    assert_eq!(summary["verdict"], "inconsistent");
+    assert_eq!(summary["refutation"]["line"], 17);
+    assert_eq!(summary["refutation"]["output"], "pos");
+    assert!(summary["refutation"]["gap"].as_f64().unwrap() > 20.0);
+    assert_eq!(summary["parameters"]["k"]["lo"], serde_json::Value::Null);
+    assert_eq!(bounds(&place.read("out/params.csv"), "k").len(), 15);
+}
+
+#[test]
+fn what_a_signal_proves_can_refute_too() {
+    let place = Place::new();
+    let model = std::fs::read_to_string(rig("model.toml")).unwrap();
+    let model = place.file(
+        "m.toml",
+        model.replace(
+            "omega = { unit = \"rad/s\", init = 0 }",
+            "omega = { unit = \"rad/s\", init = 5 }",
+        ),
+    );
+    let ran = place.observe(&model, &rig("rig.csv"), &[]).ended(1);
+    assert!(
+        ran.err.contains("what `still` proves to be zero is 5"),
+        "{}",
+        ran.err
+    );
+}
+
+#[test]
+fn not_being_able_to_prove_is_no_error_and_no_proof() {
+    let place = Place::new();
+    let model = "format = 1\nstates = [\"x\"]\ninit.x = [1, 2]\nparams.k = [1, 2]\n\
+        der.x = \"k * x^2\"\noutputs.y = \"x +- 0.1\"\n";
+    // The solution runs to infinity before t = 10.
+    let (model, record) = (
+        place.file("m.toml", model),
+        place.file("r.csv", "t,y\n0,1.5\n10,1.5\n"),
+    );
+    let ran = place.observe(&model, &record, &[]).ended(3);
+    assert!(
+        ran.err
+            .contains("error[E0302]: nothing could be proved about the step to t = 10 s")
+    );
+    assert!(ran.err.contains("r.csv:3:"), "{}", ran.err);
+    let summary = json(&place.read("out/summary.json"));
+    assert_eq!(summary["verdict"], "undecided");
+    assert_eq!(summary["samples"], 1);
+    let states = bounds(&place.read("out/states.csv"), "x");
+    let [(lo, hi)] = states.as_slice() else {
+        panic!("{states:?}")
+    };
+    assert!(
+        (1.4 - 1e-9..=1.4).contains(lo) && (1.6..=1.6 + 1e-9).contains(hi),
+        "{states:?}"
+    );
+}
+
+#[test]
+fn a_check_says_what_was_understood() {
+    let place = Place::new();
+    let ran = place.run(&["check", &rig("model.toml")]).ended(0);
+    for part in [
+        "2 states, 1 input, 3 parameters",
+        "stick",
+        "prior [-6, -0.05]",
+        "(proved)",
+    ] {
+        assert!(ran.out.contains(part), "no {part:?} in:\n{}", ran.out);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_complete_files_up_to_the_last_sample() {
+    use std::process::{Command, Stdio};
+    let place = Place::new();
+    let (model, record) = (rig("model.toml"), rig("rig.csv"));
+    let slow = ["--boxes", "400", "--bisections", "400", "--every", "1"];
+    let mut arguments = vec!["observe", &model, &record, "-o", "out", "--figures", "svg"];
+    arguments.extend(slow);
+    let child = place
+        .command(&arguments)
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let begun = || {
+        place
+            .files("out")
+            .iter()
+            .any(|name| name.starts_with(".params.csv"))
+    };
+    while !begun() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    std::thread::sleep(std::time::Duration::from_millis(400));
+    assert_eq!(
+        place.files("out").len(),
+        2,
+        "tables have their names only when they are complete"
+    );
+    let sent = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(sent.success());
+    let ran = support::Ran::of(child.wait_with_output().unwrap()).ended(130);
+    assert!(ran.err.contains("interrupted"), "{}", ran.err);
+    let summary = json(&place.read("out/summary.json"));
+    assert_eq!(summary["interrupted"], true);
+    assert_eq!(summary["verdict"], "consistent");
+    let samples = summary["samples"].as_u64().unwrap();
+    assert!(samples > 0 && samples < 8001, "{samples}");
+    for (table, name) in [("params.csv", "alpha"), ("states.csv", "omega")] {
+        let text = place.read(&format!("out/{table}"));
+        assert!(text.ends_with('\n'));
+        assert_eq!(bounds(&text, name).len() as u64, samples);
+    }
+    let left: Vec<String> = place
+        .files("out")
+        .into_iter()
+        .filter(|name| name.contains(".part"))
+        .collect();
+    assert_eq!(left, [""; 0]);
+    // The files can be gone on from.
+    place
+        .observe(&model, &record, &["--start-from", "out", "--to", "1"])
+        .ended(0);
+}
+
+/// The most memory a run had, in KiB.
+#[cfg(target_os = "linux")]
+fn peak_memory(place: &Place, samples: usize) -> u64 {
+    let (model, record) = (
+        place.file("m.toml", CART),
+        place.file("r.csv", cart_record(samples)),
+    );
+    let flags = [
+        "observe",
+        &model,
+        &record,
+        "-o",
+        "out",
+        "--figures",
+        "none",
+        "--boxes",
+        "4",
+    ];
+    let mut child = place
+        .command(&flags)
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut most = 0;
+    let status = format!("/proc/{}/status", child.id());
+    while child.try_wait().unwrap().is_none() {
+        let text = std::fs::read_to_string(&status).unwrap_or_default();
+        let peak = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+        let peak = peak.and_then(|rest| rest.trim().trim_end_matches(" kB").parse().ok());
+        most = most.max(peak.unwrap_or(0));
+        std::thread::sleep(std::time::Duration::from_millis(1));
+    }
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    most
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn memory_does_not_grow_with_the_record() {
+    let place = Place::new();
+    let short = peak_memory(&place, 20_000);
+    let long = peak_memory(&place, 200_000);
+    // Figures keep 4000 columns of time, filled by both.
+    assert!(
+        short > 0 && long < short + short / 4 + 1024,
+        "{short} KiB, then {long} KiB"
+    );
+}
