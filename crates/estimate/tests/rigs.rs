@@ -250,6 +250,12 @@ fn case(rng: &mut Rng, experiment: Experiment) -> Case {
     }
 }
 
+/// Lengths of the stretches of the past that are remembered.
+fn windows(rng: &mut Rng) -> Vec<u64> {
+    let lists: [&[u64]; 6] = [&[], &[1], &[2, 3], &[4, 16, 64], &[1000], &[7, 1, 7]];
+    rng.pick(&lists).to_vec()
+}
+
 fn random_options(rng: &mut Rng) -> ObserverOptions {
     ObserverOptions {
         boxes: 1 + rng.below(rng.clone().pick(&[8, 30, 60])),
@@ -263,6 +269,7 @@ fn random_options(rng: &mut Rng) -> ObserverOptions {
             ParameterRule::WidestInfluence,
         ]),
         merge_across_modes: rng.chance(0.3),
+        windows: windows(rng),
         velocity_horizon: rng.pick(&[2.0, 0.0, 100.0]),
         step: StepOptions {
             order: 1 + rng.below(6),

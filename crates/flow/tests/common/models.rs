@@ -237,10 +237,10 @@ a = [-2, 2]
 b = [-3, 3]
 c = [-4, 4]
 [modes.above]
-when = "x1 >= 0.3"
+when = "0.3 <= x1"
 der = { x1 = "a - b", x2 = "c + x3", x3 = "x2 - c*x3" }
 [modes.below]
-when = "not (x1 > 0.3)"
+when = "0.3 - x1 > 0"
 der = { x1 = "a + b", x2 = "-c + x3", x3 = "x2 + c*x3" }
 [outputs]
 y = "x2 +- 0.01"
@@ -285,13 +285,13 @@ v = 0
 F = [-5, 5]
 d = [-1, 1]
 [modes.low]
-when = "x < -0.1 or x == -0.1"
+when = "-x > 0.1 or x == -0.1"
 der = { x = "v", v = "F - d*v" }
 [modes.mid]
-when = "x >= -0.1 and x <= 0.1"
+when = "-0.1 <= x and 0.1 >= x"
 der = { x = "v", v = "-d*v" }
 [modes.high]
-when = "not (x < 0.1)"
+when = "-10*x < -1 or 0.1 == x"
 der = { x = "v", v = "-F - d*v" }
 [outputs]
 y = "x +- 0.01"
@@ -621,6 +621,54 @@ z_m = "z +- 0.01"
     inputs: &[],
 };
 
+/// Guards that touch zero and stay there: an input at its threshold, two states that move as one.
+pub const GATES: Target = Target {
+    name: "guards that stay at zero",
+    text: r#"
+format = 1
+states = ["x", "y", "z"]
+inputs = ["a", "u"]
+[init]
+x = 0
+y = 0
+z = 0
+[modes.on]
+when = "u >= 0.125"
+der = { x = "a", y = "a", z = "1 + sign(x - y)" }
+[modes.off]
+when = "u < 0.125"
+der = { x = "a", y = "a", z = "-1 + sign(x - y)" }
+[outputs]
+z_m = "z +- 0.01"
+"#,
+    truth: Truth {
+        states: 3,
+        f: |_, _, u, d| {
+            d[0] = u[0];
+            d[1] = u[0];
+        },
+        switches: &[
+            Switch {
+                g: |_, _, u| u[1] - 0.125,
+                b: |_, _, _, d| d[2] = 1.0,
+            },
+            Switch {
+                g: |x, _, _| x[0] - x[1],
+                b: |_, _, _, d| d[2] = 1.0,
+            },
+        ],
+        kinks: &[],
+        longest: 1e-2,
+    },
+    states: &[
+        (-0.5, 0.5, &[0.25, 0.25]),
+        (-0.5, 0.5, &[0.25, 0.25]),
+        (-1.0, 1.0, &[]),
+    ],
+    params: &[],
+    inputs: &[(-1.0, 1.0, &[0.0, 0.0]), (-0.5, 0.5, &[0.125, 0.125])],
+};
+
 pub const FUNCTIONS: Target = Target {
     name: "all functions",
     text: r#"
@@ -818,7 +866,8 @@ phi_m = "phi +- 0.1"
     ..RIG_SHORT
 };
 
-pub const ALL: [&Target; 18] = [
+pub const ALL: [&Target; 19] = [
+    &GATES,
     &BELT,
     &PENDULUM,
     &CHAIN,
