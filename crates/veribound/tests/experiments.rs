@@ -1,5 +1,13 @@
 //! The four experiments of the talk on the first ten seconds of the drive train record.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that fails stops"
+)]
+
 mod support;
 
 use support::{Place, bounds, rig};

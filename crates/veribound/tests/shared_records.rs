@@ -1,5 +1,5 @@
 //! Bars on records that do not lie in the repository: the synthetic rig with its reference hulls,
-//! and the measured pendulum. They are read from the folder `shared` beside the project (or from
+//! the measured pendulum and the measured axis. They are read from the folder `shared` beside the project (or from
 //! VERIBOUND_SHARED); without it each test says loudly that it was skipped.
 
 #![allow(
@@ -122,6 +122,23 @@ fn pendulum() {
     };
     // A point found consistent by a minimax fit on this window.
     assert_bounds("a", param("a"), (48.604, 48.604), 4.0);
-    assert_bounds("b", param("b"), (0.0227, 0.0227), 0.199);
-    assert_bounds("c", param("c"), (0.438, 0.438), 1.8);
+    assert_bounds("b", param("b"), (0.0227, 0.0227), 0.12);
+    assert_bounds("c", param("c"), (0.438, 0.438), 0.9);
+}
+
+#[test]
+fn positioning_axis() {
+    let Some(file) = data("emps/emps.csv") else {
+        return;
+    };
+    let model = Model::from_file(project().join("examples/emps/model.toml")).unwrap();
+    let options = RecordOptions {
+        to: Some(veribound::Decimal::parse("3").unwrap()),
+        ..RecordOptions::default()
+    };
+    let found = observe(&model, &file, options);
+    // A point inside the consistent set of the equation in its integrated form (linear program).
+    assert_bounds("inv_M", found.params[0], (0.01072, 0.01072), 0.012);
+    assert_bounds("R_slow", found.params[1], (25.4, 25.4), 40.0);
+    assert_bounds("R_fast", found.params[2], (40.3, 40.3), 15.0);
 }

@@ -1,5 +1,13 @@
 //! `veribound simulate`: what it writes is proved, and what it cannot prove it does not write.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that fails stops"
+)]
+
 mod support;
 
 use support::{CART, Place, rig};

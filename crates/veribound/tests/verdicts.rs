@@ -1,5 +1,13 @@
 //! Verdicts, exit codes and files of whole runs.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that fails stops"
+)]
+
 mod support;
 
 use support::{CART, Place, bounds, cart_record, rig};

@@ -1,6 +1,14 @@
 //! Wrong input, one test for each kind: exit code 2, a message with the place and one thing to do, and
 //! nothing written.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that fails stops"
+)]
+
 mod support;
 
 use support::{CART, Place, cart_record};

@@ -39,7 +39,7 @@ pub enum Command {
     )]
     Observe(Box<Observe>),
     /// Make a record of a model with known parameters; its errors are proved to stay in bounds
-    Simulate(Simulate),
+    Simulate(Box<Simulate>),
 }
 
 /// Flags of `veribound check`.
