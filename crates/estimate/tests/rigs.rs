@@ -343,7 +343,9 @@ fn run(experiment: Experiment, rigs: u64, seed: u64) {
         let mut observer = Observer::new(&case.model, options);
         samples += observe(&mut observer, &case, noise, &mut rng, &story);
         worst = worst.max(observer.boxes_max());
-        if experiment == Experiment::SecondPass {
+        let second =
+            experiment == Experiment::SecondPass || experiment == Experiment::Reset && rig % 3 == 0;
+        if second {
             let boxes: Vec<Vec<Interval>> = observer
                 .cells()
                 .iter()

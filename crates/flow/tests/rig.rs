@@ -1,5 +1,13 @@
 //! The drive-train rig: boxes against its exact closed form.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test that fails stops"
+)]
+
 mod common;
 
 use common::{Rng, rig_model, rig_step};

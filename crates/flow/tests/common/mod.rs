@@ -3,6 +3,7 @@
 #![allow(
     dead_code,
     clippy::unwrap_used,
+    clippy::needless_range_loop,
     clippy::panic,
     clippy::indexing_slicing,
     reason = "a test fails by panicking; every test file uses a part of this"

@@ -669,6 +669,39 @@ z_m = "z +- 0.01"
     inputs: &[(-1.0, 1.0, &[0.0, 0.0]), (-0.5, 0.5, &[0.125, 0.125])],
 };
 
+/// An input that may change inside the step, times something that changes sign there.
+pub const FANNED: Target = Target {
+    name: "input of indefinite influence",
+    text: r#"
+format = 1
+states = ["x", "y"]
+inputs = ["u"]
+[init]
+x = 0
+y = 0
+[params]
+c = [-3, 3]
+[der]
+x = "u*y + 0.1*x"
+y = "c"
+[outputs]
+y_m = "x +- 0.01"
+"#,
+    truth: Truth {
+        states: 2,
+        f: |x, p, u, d| {
+            d[0] = u[0] * x[1] + 0.1 * x[0];
+            d[1] = p[0];
+        },
+        switches: NO_SWITCH,
+        kinks: &[|x, _, _| x[1]],
+        longest: 1e-2,
+    },
+    states: &[(-0.5, 0.5, &[]), (-0.1, 0.1, &[0.0, -0.01, 0.01])],
+    params: &[(-3.0, 3.0)],
+    inputs: &[(-1.0, 1.0, &[])],
+};
+
 pub const FUNCTIONS: Target = Target {
     name: "all functions",
     text: r#"
@@ -866,8 +899,9 @@ phi_m = "phi +- 0.1"
     ..RIG_SHORT
 };
 
-pub const ALL: [&Target; 19] = [
+pub const ALL: [&Target; 20] = [
     &GATES,
+    &FANNED,
     &BELT,
     &PENDULUM,
     &CHAIN,

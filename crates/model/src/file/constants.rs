@@ -4,6 +4,7 @@ use crate::file::lower::Lowering;
 use crate::file::reader::{Reader, Value};
 use crate::file::scope::Scope;
 use crate::file::text::Text;
+use num_rational::BigRational;
 use std::ops::Range;
 use toml::de::DeValue;
 use veribound_interval::{Decimal, Interval, text};
@@ -21,6 +22,13 @@ fn significant_digits(decimal: &Decimal) -> usize {
     } else {
         digits.trim_end_matches('0').len()
     }
+}
+
+/// The decimal of at most [`PRINTABLE_DIGITS`] that is `exact`, which lies in `enclosure`.
+fn short_decimal(exact: &BigRational, enclosure: Interval) -> Option<Decimal> {
+    Decimal::parse(&text::upper(enclosure.lo(), PRINTABLE_DIGITS))
+        .ok()
+        .filter(|decimal| decimal.to_rational() == *exact)
 }
 
 /// One end of a range.
@@ -185,7 +193,9 @@ fn constant(reader: &mut Reader, value: Value, help: &str) -> Option<Constant> {
                 );
                 return None;
             }
-            Some(Constant::Enclosed(enclosure))
+            let exact = lowering.graph.as_constant(e);
+            let short = exact.and_then(|exact| short_decimal(exact, enclosure));
+            Some(short.map_or(Constant::Enclosed(enclosure), Constant::Exact))
         }
         Err(problems) => {
             for problem in problems {
