@@ -17,6 +17,7 @@ mod record;
 mod results;
 
 pub use digest::{sha256_of_file, sha256_of_text};
+pub use outward::spelled;
 pub use record::{Record, RecordOptions, Samples};
 pub use results::folder::{ResultFile, ResultFolder};
 pub use results::run_info::{FileInfo, Platform, Program, RecordInfo, RunInfo};

@@ -22,7 +22,7 @@ pub(crate) fn upper(bounds: Interval) -> String {
 /// floats, so at most one of them is read as a given end; and the model reader widens every end
 /// with more digits to one of 15, so the end that is found is the user's (or lies outside of it).
 /// Where no short decimal is read as the end, it is rounded outward.
-pub(crate) fn spelled(read: Interval) -> (String, String) {
+pub fn spelled(read: Interval) -> (String, String) {
     // Below the normal floats the argument fails; there the ends are rounded outward.
     let short = |x: f64| 1..=(if x == 0.0 || x.abs() > 1e-290 { 15 } else { 0 });
     let lo = short(read.lo()).map(|digits| text::upper(read.lo(), digits));

@@ -9,10 +9,13 @@ use veribound_model::diagnostic::Diagnostic;
 use veribound_model::model::Model;
 
 /// A column of a table.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Column {
     /// Bounds of a variable: the two columns `name.lo` and `name.hi`.
     Bounds(String),
+    /// The same of a parameter with this prior: an end at which nothing was cut off the prior is
+    /// printed as the user spelled it.
+    Parameter(String, Interval),
     /// Anything else under its name.
     Plain(String),
 }
@@ -39,6 +42,8 @@ pub enum Cell<'a> {
 pub struct TableWriter {
     file: ResultFile,
     columns: Vec<Column>,
+    /// By column: the prior and its ends as they were spelled.
+    priors: Vec<Option<(Interval, (String, String))>>,
     line: String,
 }
 
@@ -59,7 +64,7 @@ impl Column {
         let bounds = model
             .params
             .iter()
-            .map(|param| Column::Bounds(param.name.clone()));
+            .map(|param| Column::Parameter(param.name.clone(), param.bounds));
         bounds.chain(["resets"].map(Column::plain)).collect()
     }
 
@@ -73,7 +78,7 @@ impl Column {
         let params = model
             .params
             .iter()
-            .map(|param| Column::Bounds(param.name.clone()));
+            .map(|param| Column::Parameter(param.name.clone(), param.bounds));
         let first = ["box"].map(Column::plain).into_iter();
         first
             .chain(states)
@@ -85,6 +90,17 @@ impl Column {
     /// A column of anything but bounds.
     pub fn plain(name: &str) -> Column {
         Column::Plain(name.to_owned())
+    }
+
+    fn spelled_prior(&self) -> Option<(Interval, (String, String))> {
+        match self {
+            Column::Parameter(_, prior) => Some((*prior, outward::spelled(*prior))),
+            _ => None,
+        }
+    }
+
+    fn has_bounds(&self) -> bool {
+        !matches!(self, Column::Plain(_))
     }
 }
 
@@ -99,12 +115,13 @@ impl TableWriter {
     ) -> Result<Self, Diagnostic> {
         let mut table = TableWriter {
             file: folder.file(name)?,
+            priors: columns.iter().map(Column::spelled_prior).collect(),
             columns,
             line: String::from("t"),
         };
         for column in &table.columns {
             match column {
-                Column::Bounds(name) => {
+                Column::Bounds(name) | Column::Parameter(name, _) => {
                     table.line.push(',');
                     push_text(&mut table.line, &format!("{name}.lo"));
                     table.line.push(',');
@@ -125,7 +142,7 @@ impl TableWriter {
     /// *Errors*: `E0501`, `E0502`; `E0503` when the cells do not fit the columns.
     pub fn row(&mut self, time: &Decimal, cells: &[Cell<'_>]) -> Result<(), Diagnostic> {
         let fits = |(column, cell): (&Column, &Cell<'_>)| {
-            matches!(column, Column::Bounds(_)) == matches!(cell, Cell::Bounds(_))
+            column.has_bounds() == matches!(cell, Cell::Bounds(_))
         };
         if cells.len() != self.columns.len() || !self.columns.iter().zip(cells).all(fits) {
             return Err(Diagnostic::new(
@@ -140,14 +157,25 @@ impl TableWriter {
         self.line.clear();
         // Writing to a String cannot fail.
         let _ = write!(self.line, "{time}");
-        for cell in cells {
+        for (cell, prior) in cells.iter().zip(&self.priors) {
             self.line.push(',');
             match *cell {
                 Cell::Bounds(bounds) if bounds.is_empty() => self.line.push(','),
                 Cell::Bounds(bounds) => {
-                    self.line.push_str(&outward::lower(bounds));
+                    let untouched = |end: fn(Interval) -> f64| {
+                        prior
+                            .as_ref()
+                            .filter(|(prior, _)| end(*prior) == end(bounds))
+                    };
+                    match untouched(Interval::lo) {
+                        Some((_, (lo, _))) => self.line.push_str(lo),
+                        None => self.line.push_str(&outward::lower(bounds)),
+                    }
                     self.line.push(',');
-                    self.line.push_str(&outward::upper(bounds));
+                    match untouched(Interval::hi) {
+                        Some((_, (_, hi))) => self.line.push_str(hi),
+                        None => self.line.push_str(&outward::upper(bounds)),
+                    }
                 }
                 Cell::Count(count) => {
                     let _ = write!(self.line, "{count}");

@@ -22,6 +22,8 @@ const INSETS: [(f64, f64); 5] = [
 ];
 /// Room kept free around an inset, for its tick labels too: left, right, top, bottom.
 const LABELS: (f64, f64, f64, f64) = (40.0, 14.0, 8.0, 22.0);
+/// The same around an enlargement that stands beside its panel: left, right.
+const BESIDE: (f64, f64) = (52.0, 8.0);
 /// Width of a bucket of time in an enlarged panel, in hundredths of a unit.
 const FINE: i64 = 5;
 
@@ -70,9 +72,9 @@ pub(super) fn draw(history: &History) -> String {
         panel.grid(&mut canvas);
         let area = places.as_ref().and_then(|places| places.get(j)).copied();
         let area = area.unwrap_or(Rect {
-            x: edge + 52.0,
+            x: edge + BESIDE.0,
             y: panel.area.y,
-            w: right - edge - 52.0,
+            w: right - edge - BESIDE.0 - BESIDE.1,
             h: panel.area.h,
         });
         let zoom = history
@@ -95,7 +97,7 @@ pub(super) fn draw(history: &History) -> String {
     }
     if beside {
         let at = (
-            right - (right - edge - 52.0) / 2.0,
+            (edge + BESIDE.0 + right - BESIDE.1) / 2.0,
             stack.bottom - FOOT + 34.0,
         );
         canvas.text(at, &history.time_label(), Anchor::Middle, theme::LABEL);

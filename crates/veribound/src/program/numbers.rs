@@ -1,5 +1,6 @@
 //! Bounds as text for people: rounded outward, and no more digits than tell something.
 
+use veribound_data::spelled;
 use veribound_interval::{Decimal, Interval, round, text};
 
 /// Digits with which every bound can be printed well enough.
@@ -91,21 +92,6 @@ pub fn shrink(bounds: Interval, prior: Interval) -> Option<String> {
     let scale = 10_f64.powi(decimals);
     let shown = (percent * scale).floor() / scale;
     Some(format!("{shown:.*} %", decimals as usize))
-}
-
-/// The two decimals that the user wrote and that were read as `read`: an end of few digits is the
-/// only such decimal that is read as exactly that float. Longer ends are rounded outward.
-fn spelled(read: Interval) -> (String, String) {
-    let lo = (1..=MOST_DIGITS)
-        .map(|digits| text::upper(read.lo(), digits))
-        .find(|text| enclosed(text).is_some_and(|end| end.lo() == read.lo()));
-    let hi = (1..=MOST_DIGITS)
-        .map(|digits| text::lower(read.hi(), digits))
-        .find(|text| enclosed(text).is_some_and(|end| end.hi() == read.hi()));
-    (
-        lo.unwrap_or_else(|| text::lower(read.lo(), MOST_DIGITS)),
-        hi.unwrap_or_else(|| text::upper(read.hi(), MOST_DIGITS)),
-    )
 }
 
 fn enclosed(text: &str) -> Option<Interval> {
