@@ -270,17 +270,9 @@ fn demanded_equalities(graph: &mut Graph, guard: &Guard, found: &mut Vec<(usize,
             expr,
             relation: Relation::Equal,
         } => {
-            let (state, level) = match *graph.node(*expr) {
-                Node::Var(Var::State(state)) => (state, graph.integer(0)),
-                Node::Binary(veribound_model::Binary::Sub, a, b) => {
-                    match (graph.node(a), graph.as_constant(b)) {
-                        (Node::Var(Var::State(state)), Some(_)) => (*state, b),
-                        _ => return,
-                    }
-                }
-                _ => return,
-            };
-            found.push((state, level));
+            if let Some(level) = graph.level(*expr) {
+                found.push((level.state, level.expr));
+            }
         }
         Guard::Atom { .. } | Guard::Any(_) | Guard::Always => {}
     }

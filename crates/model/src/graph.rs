@@ -104,6 +104,8 @@ pub struct Names {
 pub struct Level {
     /// The state.
     pub state: usize,
+    /// The value.
+    pub expr: ExprId,
     /// The value, enclosed.
     pub value: Interval,
     /// The compared expression grows with the state.
@@ -593,14 +595,19 @@ impl Graph {
             return None;
         };
         let slope = self.derivative(e, Var::State(state));
-        let rising = self.as_constant(slope)?.is_positive();
+        let slope_value = self.as_constant(slope)?;
+        if slope_value.is_zero() {
+            return None;
+        }
+        let rising = slope_value.is_positive();
         let zero = self.integer(0);
         let at_zero = self.substitute(e, &|_| Some(zero));
         let minus = self.neg(at_zero);
-        let value = self.div(minus, slope);
-        let value = self.eval_interval(value, &|_| Interval::ENTIRE);
+        let expr = self.div(minus, slope);
+        let value = self.eval_interval(expr, &|_| Interval::ENTIRE);
         value.is_bounded().then_some(Level {
             state,
+            expr,
             value,
             rising,
         })

@@ -899,7 +899,34 @@ phi_m = "phi +- 0.1"
     ..RIG_SHORT
 };
 
-pub const ALL: [&Target; 20] = [
+/// The same modes with their guards written from the other side.
+pub const RIG_MIRRORED: Target = Target {
+    name: "rig, mirrored guards",
+    text: r#"
+format = 1
+states = ["phi", "omega"]
+inputs = ["u"]
+[init]
+phi = 0
+omega = 0
+[params]
+alpha = [-6, 0]
+beta  = [1, 400]
+T_Fs  = [0, 0.35]
+[let]
+drive = "beta * u + alpha * omega"
+[modes]
+forward  = { when = "0 < omega or (0 == omega and T_Fs < u)",   der = { phi = "omega", omega = "drive - beta * T_Fs" } }
+stick    = { when = "-omega == 0 and T_Fs >= abs(u)",           der = { phi = "0",     omega = "0" } }
+backward = { when = "-omega > 0 or (-2*omega == 0 and -u > T_Fs)", der = { phi = "omega", omega = "drive + beta * T_Fs" } }
+[outputs]
+phi_m = "phi +- 0.1"
+"#,
+    ..RIG_SHORT
+};
+
+pub const ALL: [&Target; 21] = [
+    &RIG_MIRRORED,
     &GATES,
     &FANNED,
     &BELT,
