@@ -11,6 +11,8 @@ pub struct Cell {
     pub z: Vec<Interval>,
     /// Modes whose guard holds somewhere on the box, with the input of the coming step.
     pub modes: ModeSet,
+    /// Modes possible at some time since the sample before.
+    pub(crate) modes_during: ModeSet,
     /// Where its trajectories come from, per pair of states and window.
     pub(crate) memories: Vec<Memory>,
 }
@@ -21,12 +23,14 @@ impl Cell {
         Cell {
             z,
             modes: ModeSet::EMPTY,
+            modes_during: ModeSet::EMPTY,
             memories: Vec::new(),
         }
     }
 
     /// Takes over the past of a box that lies inside this one, so that `other` can be dropped.
     pub(crate) fn absorb(&mut self, other: &Cell) {
+        self.modes_during = self.modes_during.union(other.modes_during);
         for (memory, more) in self.memories.iter_mut().zip(&other.memories) {
             *memory = memory.hull(*more);
         }

@@ -16,9 +16,9 @@ use veribound_flow::{ModeSet, StepFailure, System, Workspace};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{Model, Sample};
 
-/// A box that cannot be integrated is bisected at most this often in one sample, all boxes
-/// together; so the time per sample stays bounded.
-const RESCUES: usize = 64;
+/// A box that cannot be integrated is halved, and its halves again, at most this often; so the time
+/// per sample stays bounded.
+const RESCUES: u32 = 4;
 
 /// The observer of the talk: a list of boxes over states and parameters that is bisected,
 /// integrated from sample to sample, intersected with the measurements, and merged.
@@ -28,8 +28,9 @@ const RESCUES: usize = 64;
 /// where a reset allows it, then after every sample the true state and parameters lie in some box
 /// of [`Observer::cells`]. Source: Rauh, Senkel, Aschemann, SCAN 2014; steps numbered as there.
 ///
-/// Cost: memory does not grow with the record; the time per sample is bounded by the number of
-/// boxes.
+/// Cost: memory does not grow with the record. Bisection ends at `L + M` boxes, merging at `L` or
+/// at one box per set of active modes, if there are more of these; the time per sample is bounded
+/// by the number of boxes.
 pub struct Observer {
     options: ObserverOptions,
     system: System,
@@ -211,17 +212,9 @@ impl Observer {
         }
         self.windows.renew(&mut self.cells);
         let resets = self.reset(sample);
-        self.boxes_max = self.boxes_max.max(self.cells.len());
         self.label(&sample.inputs);
-        let crowded = self.cells.len() > self.options.boxes + self.options.bisections;
-        if crowded || position.is_multiple_of(self.options.every as u64) {
-            self.update_scale();
-            merge(
-                &mut self.cells,
-                self.options.boxes,
-                self.options.merge_across_modes,
-                &self.scale,
-            );
+        if self.crowded() || position.is_multiple_of(self.options.every as u64) {
+            self.merge();
         }
         self.held = Some((sample.time.clone(), sample.inputs.clone()));
         Ok(Verdict::Consistent(self.estimate(
@@ -245,7 +238,23 @@ impl Observer {
         }
     }
 
-    /// Step 2: bisections until the list is `M` longer, the box of largest volume first.
+    fn crowded(&self) -> bool {
+        self.cells.len() > self.options.boxes + self.options.bisections
+    }
+
+    /// Step 8.
+    fn merge(&mut self) {
+        self.boxes_max = self.boxes_max.max(self.cells.len());
+        self.update_scale();
+        merge(
+            &mut self.cells,
+            self.options.boxes,
+            self.options.merge_across_modes,
+            &self.scale,
+        );
+    }
+
+    /// Step 2: `M` bisections, the box of largest volume first, until there are `L + M` boxes.
     fn bisect(&mut self, inputs: &[Interval], dt: Interval) {
         self.update_scale();
         let mut volumes: Vec<f64> = self
@@ -253,7 +262,8 @@ impl Observer {
             .iter()
             .map(|cell| self.splitter.volume(cell, &self.scale))
             .collect();
-        for _ in 0..self.options.bisections {
+        let mut left = self.options.bisections;
+        while left > 0 && self.cells.len() < self.options.boxes + self.options.bisections {
             let largest = volumes
                 .iter()
                 .enumerate()
@@ -266,8 +276,10 @@ impl Observer {
                 .splitter
                 .split(&self.cells[position], inputs, dt.hi(), &self.options);
             if parts.len() < 2 {
-                return;
+                volumes[position] = 0.0;
+                continue;
             }
+            left -= 1;
             self.cells.swap_remove(position);
             volumes.swap_remove(position);
             for part in parts {
@@ -284,13 +296,13 @@ impl Observer {
         dt: Interval,
     ) -> Result<(), (StepFailure, Vec<Interval>)> {
         let states = self.system.layout().states;
-        let mut rescues = RESCUES;
         let mut moved: Vec<Cell> = std::mem::take(&mut self.moved);
-        let mut halves: Vec<Cell> = Vec::new();
+        // With how often they were halved, and why the whole box could not be integrated.
+        let mut halves: Vec<(Cell, u32, StepFailure)> = Vec::new();
         let mut next = 0;
         while next < self.cells.len() || !halves.is_empty() {
-            let mut cell = match halves.pop() {
-                Some(cell) => cell,
+            let (mut cell, halved, whole_failed) = match halves.pop() {
+                Some((cell, halved, reason)) => (cell, halved, Some(reason)),
                 None => {
                     let from = &self.cells[next];
                     next += 1;
@@ -298,31 +310,33 @@ impl Observer {
                     let mut cell = self.spare.pop().unwrap_or_else(|| from.clone());
                     cell.z.clone_from(&from.z);
                     cell.memories.clone_from(&from.memories);
-                    cell
+                    (cell, 0, None)
                 }
             };
             self.box_steps += 1;
             let (x, p) = cell.z.split_at_mut(states);
             match self.system.step(x, p, inputs, dt, &mut self.workspace) {
-                Ok(_) => {
+                Ok(report) => {
+                    cell.modes_during = report.modes_during;
                     self.windows
                         .extend(&mut cell, self.workspace.velocity(), dt);
                     moved.push(cell);
                 }
                 Err(reason) => {
+                    let reason = whole_failed.unwrap_or(reason);
                     // A smaller box may do: halve the coordinate with the largest share left.
                     let parts = self.widest(&cell).and_then(|coordinate| {
                         let x = cell.z[coordinate];
                         cut(x, x.mid()).map(|parts| (coordinate, parts))
                     });
-                    let Some((coordinate, (below, above))) = parts.filter(|_| rescues > 0) else {
-                        return Err((reason, cell.z));
+                    let Some((coordinate, (below, above))) = parts.filter(|_| halved < RESCUES)
+                    else {
+                        return Err((reason, self.cells[next - 1].z.clone()));
                     };
-                    rescues -= 1;
                     for half in [above, below] {
                         let mut part = cell.clone();
                         part.z[coordinate] = half;
-                        halves.push(part);
+                        halves.push((part, halved + 1, reason));
                     }
                 }
             }
@@ -398,6 +412,11 @@ impl Observer {
             for part in added {
                 insert(&mut self.cells, part);
             }
+            self.boxes_max = self.boxes_max.max(self.cells.len());
+            if self.crowded() {
+                self.label(&sample.inputs);
+                self.merge();
+            }
         }
         done
     }
@@ -443,7 +462,7 @@ impl Observer {
             for ((all, value), measured) in outputs.iter_mut().zip(values).zip(&sample.outputs) {
                 *all = all.hull(measured.map_or(value, |measured| value.intersect(measured)));
             }
-            modes = modes.union(cell.modes);
+            modes = modes.union(cell.modes).union(cell.modes_during);
         }
         let params = hull.split_off(states);
         Estimate {

@@ -25,7 +25,7 @@ pub struct Estimate {
     pub params: Vec<Interval>,
     /// One interval per output: its values on the boxes, after the measurement.
     pub outputs: Vec<Interval>,
-    /// Modes that are possible now.
+    /// Modes that are possible now or were possible at some time since the sample before.
     pub modes: ModeSet,
     /// Parameters that may have taken a new value at this sample.
     pub resets: Vec<bool>,

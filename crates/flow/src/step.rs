@@ -10,6 +10,10 @@ use crate::modes::ModeSet;
 use crate::system::{Registers, System};
 use veribound_interval::Interval;
 
+/// A gap between two samples is divided into at most this many steps, before halvings, so that the
+/// time per sample stays bounded.
+const MOST_PARTS: f64 = 1024.0;
+
 /// Settings of the box method.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepOptions {
@@ -17,7 +21,8 @@ pub struct StepOptions {
     pub order: usize,
     /// A step that finds no a-priori box is halved at most this many times.
     pub halvings: u32,
-    /// Longest single step in seconds; longer gaps between samples are divided.
+    /// Longest single step in seconds; longer gaps between samples are divided, into at most 1024
+    /// parts.
     pub longest: f64,
 }
 
@@ -53,7 +58,8 @@ pub enum StepFailure {
 /// What is proved about one step besides the box at its end and the tube.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StepReport {
-    /// Modes that may have been active at some time of the step, touching guards included.
+    /// Modes whose guard, as written, holds somewhere on the tube: no other was active during the
+    /// step.
     pub modes_during: ModeSet,
 }
 
@@ -129,11 +135,10 @@ impl System {
         w.q[n + self.layout.params..].copy_from_slice(inputs);
         w.tube.copy_from_slice(states);
         w.velocity.fill(Interval::EMPTY);
-        let least_parts = (dt.hi() / w.options.longest).ceil().clamp(1.0, 1e6) as u64;
+        let least_parts = (dt.hi() / w.options.longest).ceil().clamp(1.0, MOST_PARTS) as u64;
         let mut parts = least_parts;
         let mut done = 0_u64;
         let mut halvings = 0;
-        let mut modes_during = ModeSet::EMPTY;
         // Parts of equal length: `done` of `parts` are behind. Halving doubles both.
         while done < parts {
             let part = if parts == 1 {
@@ -142,8 +147,7 @@ impl System {
                 dt / Interval::point(parts as f64)
             };
             match self.single_step(part, w) {
-                Ok(modes) => {
-                    modes_during = modes_during.union(modes);
+                Ok(()) => {
                     done += 1;
                     for (all, now) in w.tube.iter_mut().zip(&w.part_tube) {
                         *all = all.hull(*now);
@@ -161,11 +165,14 @@ impl System {
             }
         }
         states.copy_from_slice(&w.q[..n]);
-        Ok(StepReport { modes_during })
+        w.q[..n].copy_from_slice(&w.tube);
+        Ok(StepReport {
+            modes_during: self.modes_on(&w.q, &mut w.registers),
+        })
     }
 
     /// One step without division; on success the states in `w.q` are moved.
-    fn single_step(&self, dt: Interval, w: &mut Workspace) -> Result<ModeSet, StepFailure> {
+    fn single_step(&self, dt: Interval, w: &mut Workspace) -> Result<(), StepFailure> {
         let n = self.layout.states;
         self.apriori(
             &mut w.q,
@@ -204,7 +211,7 @@ impl System {
             }
         }
         w.q[..n].copy_from_slice(&w.end);
-        Ok(w.apriori.modes)
+        Ok(())
     }
 
     /// The modes whose guard, as written, holds somewhere on a box (talk, 1.3).
