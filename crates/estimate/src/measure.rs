@@ -36,12 +36,28 @@ impl Condition {
     }
 }
 
+/// Since when a signal may have been true.
+#[derive(Debug, Clone)]
+enum MayBe {
+    /// It is false.
+    False,
+    /// Since this sample; the one before was false.
+    TrueSince(Decimal),
+    /// No sample says that it was ever false.
+    AlwaysTrue,
+}
+
 /// What one signal proves, and since when it has been true.
+///
+/// A missing value proves nothing: it is no proof that the signal was true, nor that it was false.
+/// So there are two clocks, one for what a true signal proves and one for what it allows. The same
+/// holds for what was before the first sample.
 #[derive(Debug, Clone)]
 struct Witness {
     zero: Vec<Condition>,
     latency: Decimal,
     true_since: Option<Decimal>,
+    may_be: MayBe,
 }
 
 /// Conditions that a sample puts on boxes.
@@ -71,6 +87,7 @@ impl Measurements {
                     .collect(),
                 latency: signal.latency.clone(),
                 true_since: None,
+                may_be: MayBe::AlwaysTrue,
             })
             .collect();
         Measurements {
@@ -86,7 +103,7 @@ impl Measurements {
         sample.outputs.len() == self.outputs.len() && sample.signals.len() == self.witnesses.len()
     }
 
-    /// Takes note of the signals of a sample; a signal that was not recorded proves nothing.
+    /// Takes note of the signals of a sample.
     pub(crate) fn note_signals(&mut self, sample: &Sample) {
         for (witness, value) in self.witnesses.iter_mut().zip(&sample.signals) {
             if *value != Some(true) {
@@ -94,15 +111,21 @@ impl Measurements {
             } else if witness.true_since.is_none() {
                 witness.true_since = Some(sample.time.clone());
             }
+            match (value, &witness.may_be) {
+                (Some(false), _) => witness.may_be = MayBe::False,
+                (_, MayBe::False) => witness.may_be = MayBe::TrueSince(sample.time.clone()),
+                _ => {}
+            }
         }
     }
 
-    /// How long each signal has been true at `now`; `None` for a signal that is not.
-    pub(crate) fn true_for(&self, signal: usize, now: &Decimal) -> Option<Decimal> {
-        self.witnesses[signal]
-            .true_since
-            .as_ref()
-            .map(|since| now - since)
+    /// Whether a signal may have been true for at least `lasts` at `now`.
+    pub(crate) fn may_have_held(&self, signal: usize, lasts: &Decimal, now: &Decimal) -> bool {
+        match &self.witnesses[signal].may_be {
+            MayBe::False => false,
+            MayBe::TrueSince(since) => now - since >= *lasts,
+            MayBe::AlwaysTrue => true,
+        }
     }
 
     /// Values of the outputs on a box.

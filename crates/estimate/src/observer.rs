@@ -198,6 +198,7 @@ impl Observer {
         }
         self.samples += 1;
         self.measurements.note_signals(sample);
+        let resets = self.reset(sample);
         if let Err(contradiction) = self.narrow(sample) {
             self.finished = true;
             return Ok(Verdict::Inconsistent(Refutation {
@@ -211,7 +212,6 @@ impl Observer {
             self.windows.restart(&mut self.cells);
         }
         self.windows.renew(&mut self.cells);
-        let resets = self.reset(sample);
         self.label(&sample.inputs);
         if self.crowded() || position.is_multiple_of(self.options.every as u64) {
             self.merge();
@@ -385,13 +385,26 @@ impl Observer {
     /// Step 7: parameters that may be new get their whole prior back, as up to three boxes
     /// `[T_init.lo, T.lo]`, `[T.lo, T.hi]`, `[T.hi, T_init.hi]` instead of one; those that another
     /// box already contains are left out.
+    ///
+    /// Comes before the intersection with the sample: what is measured at a reset already knows the
+    /// new value.
     fn reset(&mut self, sample: &Sample) -> Vec<bool> {
         let states = self.system.layout().states;
         let mut done = vec![false; self.prior.len() - states];
+        if self.samples == 1 {
+            // At the first sample every parameter has its whole prior.
+            return done;
+        }
         for (signal, param, lasts) in self.resets.clone() {
-            let held = self.measurements.true_for(signal, &sample.time);
-            if held.is_none_or(|held| held < lasts) {
+            if !self
+                .measurements
+                .may_have_held(signal, &lasts, &sample.time)
+            {
                 continue;
+            }
+            if self.crowded() {
+                self.label(&sample.inputs);
+                self.merge();
             }
             done[param] = true;
             let coordinate = states + param;
@@ -413,10 +426,6 @@ impl Observer {
                 insert(&mut self.cells, part);
             }
             self.boxes_max = self.boxes_max.max(self.cells.len());
-            if self.crowded() {
-                self.label(&sample.inputs);
-                self.merge();
-            }
         }
         done
     }

@@ -243,7 +243,16 @@ impl Face<'_> {
         let tapes = &self.system.right_hand_sides[self.state][rhs];
         let registers = &mut self.registers.gradient[self.state][rhs];
         tapes.gradient.eval(self.clipped, registers);
-        let slopes = (0..tapes.others.len()).map(|i| tapes.gradient.output(i, registers));
+        // Where a derivative exists nowhere on the box, as that of a root at exactly zero, nothing
+        // is known about it.
+        let slopes = (0..tapes.others.len()).map(|i| {
+            let slope = tapes.gradient.output(i, registers);
+            if slope.is_empty() {
+                Interval::ENTIRE
+            } else {
+                slope
+            }
+        });
         self.survey.slopes.clear();
         self.survey.slopes.extend(slopes);
     }
@@ -325,9 +334,7 @@ impl Face<'_> {
                     continue;
                 }
                 let slope = self.survey.slopes[position];
-                let towards = if slope.is_empty() {
-                    continue;
-                } else if slope.lo() >= 0.0 {
+                let towards = if slope.lo() >= 0.0 {
                     self.side
                 } else if slope.hi() <= 0.0 {
                     self.side.other()

@@ -528,3 +528,52 @@ fn kinks_touched_from_one_side() {
         }
     }
 }
+
+/// The slope of a root exists nowhere where its argument is exactly zero: nothing is known then.
+#[test]
+fn roots_of_what_is_exactly_zero() {
+    for (der, end) in [
+        ("k*sqrt(u)*v - friction(v, 0, T)", 0.09),
+        ("k*sqrt(u) - v", 0.1 * (-0.1_f64).exp()),
+        ("k*sqrt(abs(u)) - v", 0.1 * (-0.1_f64).exp()),
+        ("k*sqrt(max(u, 0))*v - v", 0.1 * (-0.1_f64).exp()),
+    ] {
+        let system = system(&format!(
+            "format = 1\nstates = [\"v\"]\ninputs = [\"u\"]\ninit = {{ v = 0 }}\n[params]\n\
+             T = [0.1, 0.3]\nk = [0.1, 1]\n[der]\nv = \"{der}\"\n[outputs]\ny = \"v +- 1\"\n"
+        ));
+        let mut workspace = Workspace::new(&system, StepOptions::default());
+        let mut v = [interval(-0.1, 0.1)];
+        let params = [interval(0.1, 0.3), interval(0.1, 1.0)];
+        let h = interval(0.1, 0.1);
+        let done = system.step(&mut v, &params, &[Interval::ZERO], h, &mut workspace);
+        assert!(done.is_ok(), "{der}: {done:?}");
+        for x in [end, -end] {
+            assert!(
+                v[0].lo() - SLACK <= x && x <= v[0].hi() + SLACK,
+                "{der}: {v:?} lost {x}"
+            );
+        }
+        assert!(v[0].mag() < 0.1 + 1e-9, "{der}: {v:?}");
+    }
+}
+
+/// A comparison that does not depend on its state has no level.
+#[test]
+fn comparisons_without_slope() {
+    let system = system(
+        "format = 1\nstates = [\"x\"]\ninit = { x = 0 }\n[params]\np = [-1, 1]\n[modes]\n\
+         always = { when = \"2*x - x - x >= 0\", der = { x = \"1 + p\" } }\n\
+         never = { when = \"2*x - x - x < 0\", der = { x = \"p - 5\" } }\n\
+         [outputs]\ny = \"x +- 1\"\n",
+    );
+    let mut workspace = Workspace::new(&system, StepOptions::default());
+    for x in [-1.0, 0.0, 2.0] {
+        let mut states = [interval(x, x)];
+        let h = interval(0.5, 0.5);
+        system
+            .step(&mut states, &[Interval::ZERO], &[], h, &mut workspace)
+            .unwrap();
+        assert!(states[0].contains(x + 0.5), "{states:?}");
+    }
+}

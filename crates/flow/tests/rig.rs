@@ -18,6 +18,11 @@ fn interval(lo: f64, hi: f64) -> Interval {
     Interval::new(lo, hi).unwrap()
 }
 
+/// Modes of the rig, in the order of its file.
+const FORWARD: usize = 0;
+const STICK: usize = 1;
+const BACKWARD: usize = 2;
+
 /// Rounding of the closed form in `common`, which is plain floating point.
 const SLACK: f64 = 1e-10;
 
@@ -29,6 +34,7 @@ fn exact_trajectories_stay_inside_and_the_hull_is_tight() {
     let mut rng = Rng(7);
     let mut excess_sum = [0.0; 2];
     let mut trials = 0.0;
+    let mut pruned = 0;
     for _ in 0..2000 {
         let w = rng.between(-1.0, 1.0) * if rng.unit() < 0.3 { 0.0 } else { 1.5 };
         let w_width = if rng.unit() < 0.3 {
@@ -55,7 +61,7 @@ fn exact_trajectories_stay_inside_and_the_hull_is_tight() {
             Interval::point(0.01),
             &mut workspace,
         );
-        assert!(report.is_ok(), "{report:?}");
+        let during = report.unwrap().modes_during;
         let mut hull = [Interval::EMPTY; 2];
         for trial in 0..200 {
             // Corners first: the extremes of a monotone map.
@@ -95,6 +101,21 @@ fn exact_trajectories_stay_inside_and_the_hull_is_tight() {
                     "state {state}: {x} outside the tube {tube:?}"
                 );
             }
+            // Speeds of the order of rounding could be of either sign.
+            if w1 == 0.0 || w1.abs() > SLACK {
+                let mode = if w1 > 0.0 || (w1 == 0.0 && u > p[2]) {
+                    FORWARD
+                } else if w1 < 0.0 || (w1 == 0.0 && u < -p[2]) {
+                    BACKWARD
+                } else {
+                    STICK
+                };
+                assert!(
+                    during.contains(mode),
+                    "mode {mode} is missing in {during:?}"
+                );
+                pruned += usize::from(during.len() < 3);
+            }
         }
         trials += 1.0;
         for state in 0..2 {
@@ -111,6 +132,7 @@ fn exact_trajectories_stay_inside_and_the_hull_is_tight() {
     let mean = excess_sum.map(|sum| sum / trials);
     println!("mean excess width {mean:?}");
     assert!(mean[0] < 1e-3 && mean[1] < 0.02, "mean excess {mean:?}");
+    assert!(pruned > 200_000, "{pruned} times a mode was excluded");
 }
 
 #[test]
