@@ -244,6 +244,8 @@ impl Guards {
         }
     }
 
+    /// Values of a comparison on `q`; everything where it is not defined on all of `q`, because the
+    /// closure of its region may contain points at which it is not defined.
     fn difference(&self, tape: usize, q: &[Interval], registers: &mut GuardRegisters) -> Interval {
         let registers = &mut registers.tapes[tape];
         let regularity = self.tapes[tape].eval(q, registers);
@@ -320,7 +322,7 @@ impl Guards {
                     return false;
                 }
                 let region = closed_region(*relation);
-                if difference.is_subset_of(region) {
+                if difference.is_subset_of(region) || difference == Interval::ENTIRE {
                     return true;
                 }
                 let tape_registers = &mut registers.tapes[*tape];

@@ -577,3 +577,26 @@ fn comparisons_without_slope() {
         assert!(states[0].contains(x + 0.5), "{states:?}");
     }
 }
+
+/// The closure of a guard's region may hold points at which the guard itself is not defined.
+#[test]
+fn guards_undefined_at_their_border() {
+    let system = system(
+        "format = 1\nstates = [\"x\"]\ninit = { x = 0 }\n[modes]\n\
+         right = { when = \"1/x > 0\", der = { x = \"1\" } }\n\
+         left = { when = \"1/x < 0\", der = { x = \"-1\" } }\n\
+         [outputs]\ny = \"x +- 1\"\n",
+    );
+    let mut workspace = Workspace::new(&system, StepOptions::default());
+    for start in [interval(0.0, 0.0), interval(-0.1, 0.0), interval(0.0, 0.1)] {
+        let mut states = [start];
+        let h = interval(0.5, 0.5);
+        system
+            .step(&mut states, &[], &[], h, &mut workspace)
+            .unwrap();
+        assert!(
+            states[0].contains(0.5) && states[0].contains(-0.5),
+            "{start:?} {states:?}"
+        );
+    }
+}
