@@ -10,6 +10,10 @@ use crate::cell::{Cell, remove_contained};
 /// direction can still be compared.
 const THINNEST: f64 = 1e-6;
 
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
 /// The boxes in units of the scale, one after another, and their volumes. It only ranks pairs, so
 /// plain floating point will do.
 struct Shapes {
@@ -43,8 +47,10 @@ impl Shapes {
         let (hi_i, hi_j) = (&self.hi[i..i + d], &self.hi[j..j + d]);
         let mut product = 1.0;
         for k in 0..d {
-            let width = hi_i[k].max(hi_j[k]) - lo_i[k].min(lo_j[k]);
-            product *= width.max(THINNEST);
+            // No NaN is among these, so a comparison will do where `f64::max` takes several.
+            let hi = larger(hi_i[k], hi_j[k]);
+            let lo = -larger(-lo_i[k], -lo_j[k]);
+            product *= larger(hi - lo, THINNEST);
         }
         product
     }
@@ -88,9 +94,20 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
         return;
     }
     let mut shapes = Shapes::new(cells, scale);
-    let mut best: Vec<Option<(usize, f64)>> = (0..cells.len())
-        .map(|i| partner(cells, &shapes, i, across_modes))
-        .collect();
+    let mut best: Vec<Option<(usize, f64)>> = vec![None; cells.len()];
+    for i in 0..cells.len() {
+        for j in i + 1..cells.len() {
+            if !(across_modes || cells[i].modes == cells[j].modes) {
+                continue;
+            }
+            let cost = shapes.overestimation(i, j);
+            for (a, b) in [(i, j), (j, i)] {
+                if best[a].is_none_or(|(_, known)| cost < known) {
+                    best[a] = Some((b, cost));
+                }
+            }
+        }
+    }
     while cells.len() > target {
         let cheapest = best
             .iter()
