@@ -48,7 +48,7 @@ pub fn sha256_of_file(path: impl AsRef<Path>) -> Result<String, Diagnostic> {
 }
 
 /// SHA-256 of a text, in hexadecimal digits.
-pub fn sha256_of_text(text: &str) -> String {
+pub(crate) fn sha256_of_text(text: &str) -> String {
     hexadecimal(&Sha256::digest(text.as_bytes()))
 }
 

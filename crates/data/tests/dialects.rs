@@ -252,3 +252,35 @@ fn a_file_that_changes_while_it_is_read_is_an_error_and_the_end() {
     assert_eq!(samples.next().unwrap().unwrap_err().0[0].code, "E0412");
     assert!(samples.next().is_none());
 }
+
+#[test]
+fn missing_values_are_counted() {
+    let text = "t,u,phi_m,still\n0,0,,1\n1,0,NaN,\n2,0,0,1\n3,0,nan,0\n";
+    let (record, samples) = open(text, &rig(), RecordOptions::default());
+    let expected = [("phi_m".to_owned(), 3), ("still".to_owned(), 1)];
+    assert_eq!(record.missing(), expected);
+    assert_eq!(samples[1].outputs, [None]);
+    let window = RecordOptions {
+        from: Some(decimal("2")),
+        to: Some(decimal("2")),
+        ..RecordOptions::default()
+    };
+    assert_eq!(open(text, &rig(), window).0.missing(), []);
+}
+
+#[test]
+fn a_check_tells_how_far_it_is() {
+    let rows = (0..5000).map(|row| format!("{row},0,0,1\n"));
+    let written = write(&("t,u,phi_m,still\n".to_owned() + &rows.collect::<String>()));
+    let mut told = Vec::new();
+    Record::open_watched(
+        &written.path,
+        &rig(),
+        RecordOptions::default(),
+        &mut |bytes| told.push(bytes),
+    )
+    .unwrap();
+    let whole = std::fs::metadata(&written.path).unwrap().len();
+    assert_eq!(told.len(), 5);
+    assert!(told.is_sorted() && *told.last().unwrap() <= whole);
+}

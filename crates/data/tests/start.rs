@@ -33,7 +33,16 @@ fn summary(verdict: Verdict, bounds: &[Interval]) -> Summary {
             .map(|state| (state.name.clone(), StateSummary::new(state, Interval::ONE)))
             .collect(),
         work: Work::default(),
+        interrupted: false,
+        assumptions: Vec::new(),
+        missing: Vec::new(),
     }
+}
+
+fn write(folder: &ResultFolder, summary: &Summary) {
+    let text = summary.to_json().unwrap();
+    let file = folder.write("summary.json", text.as_bytes()).unwrap();
+    file.put_in_place().unwrap();
 }
 
 fn refusal(folder: &Path) -> (&'static str, String) {
@@ -53,9 +62,7 @@ fn bounds_and_boxes_come_back_enclosed() {
         interval("-2.5", "-1") + third,
         interval("100", "150") + third,
     ];
-    summary(Verdict::Consistent, &bounds)
-        .write(&folder)
-        .unwrap();
+    write(&folder, &summary(Verdict::Consistent, &bounds));
     let start = Start::read(place.path(), &rig()).unwrap();
     assert_eq!(start.boxes, Vec::<Vec<Interval>>::new());
     for (read, proved) in start.params.iter().zip(bounds) {
@@ -81,8 +88,15 @@ fn bounds_and_boxes_come_back_enclosed() {
     row("0", 0, Interval::ZERO, Interval::ZERO);
     row("0.5", 0, bounds[0], Interval::ENTIRE);
     row("0.5", 1, third, bounds[1]);
-    table.finish().unwrap();
+    table.finish().unwrap().put_in_place().unwrap();
     let start = Start::read(place.path(), &model).unwrap();
+    for file in &start.files {
+        assert_eq!(
+            file.sha256,
+            veribound_data::sha256_of_file(&file.path).unwrap()
+        );
+    }
+    assert_eq!(start.files.len(), 2);
     assert_eq!(
         start.boxes.len(),
         2,
@@ -98,11 +112,9 @@ fn what_is_no_start_is_refused() {
     let place = tempfile::tempdir().unwrap();
     let folder = ResultFolder::create(place.path()).unwrap();
     let file = place.path().join("summary.json");
-    let missing = format!(
-        "cannot read `{}`: there is no such file or folder",
-        Path::new("DIR").join("summary.json").display()
-    );
-    assert_eq!(refusal(place.path()), ("E0401", missing));
+    let missing = "`DIR` holds no complete results: it has no summary.json".to_owned();
+    assert_eq!(refusal(place.path()), ("E0504", missing));
+    assert_eq!(refusal(&place.path().join("nowhere")).0, "E0401");
     std::fs::write(&file, "{\n  \"verdict\": 1\n}").unwrap();
     assert_eq!(refusal(place.path()).0, "E0504");
     std::fs::write(
@@ -122,9 +134,10 @@ fn what_is_no_start_is_refused() {
         message.ends_with("has no bounds of the parameter `beta`"),
         "{message}"
     );
-    summary(Verdict::Inconsistent, &[Interval::EMPTY; 2])
-        .write(&folder)
-        .unwrap();
+    write(
+        &folder,
+        &summary(Verdict::Inconsistent, &[Interval::EMPTY; 2]),
+    );
     let (code, message) = refusal(place.path());
     assert_eq!(code, "E0505");
     assert!(
@@ -132,9 +145,7 @@ fn what_is_no_start_is_refused() {
         "{message}"
     );
     let bounds = [interval("-2", "-1"), interval("100", "200")];
-    summary(Verdict::Consistent, &bounds)
-        .write(&folder)
-        .unwrap();
+    write(&folder, &summary(Verdict::Consistent, &bounds));
     let boxes = place.path().join("boxes.csv");
     std::fs::write(&boxes, "t,box,alpha.lo,alpha.hi\n").unwrap();
     assert_eq!(refusal(place.path()).0, "E0505");

@@ -1,4 +1,4 @@
-//! The four experiments of the talk on the first ten seconds of the drive train record.
+//! The four experiments of the talk on the first 15 s of the drive train record.
 
 #![allow(
     clippy::unwrap_used,

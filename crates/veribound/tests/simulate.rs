@@ -59,6 +59,47 @@ fn errors_stay_inside_the_bound_that_was_asked_for() {
 }
 
 #[test]
+fn a_value_outside_its_prior_is_said() {
+    let place = Place::new();
+    let model = place.file("m.toml", DECAY);
+    let flags = [
+        "simulate", &model, "--params", "k=4", "--change", "1:k=-1", "--until", "2", "--every",
+        "1", "-o", "r.csv",
+    ];
+    let ran = place.run(&flags).ended(0);
+    for part in [
+        "note: k = 4 lies outside its prior [0, 3]\n",
+        "note: k = -1 lies outside its prior [0, 3]\n",
+        "  3 samples in r.csv\n",
+    ] {
+        assert!(ran.err.contains(part), "no {part:?} in:\n{}", ran.err);
+    }
+    assert_eq!(place.files(""), ["m.toml", "r.csv"]);
+}
+
+#[test]
+fn profiles_may_be_written_as_records_may() {
+    let place = Place::new();
+    let (model, plain) = (
+        place.file("m.toml", CART),
+        place.file("plain.csv", "t,u\n0,1\n0.5,2\n1,0\n"),
+    );
+    let tabs =
+        "# \"made\" by hand\n\n\"Time [s]\" ; note;u [V]\n0;a,b;1\n\n0.50;;2\n;;\n1;\"c;d\";0\n";
+    let other = place.file("other.csv", tabs);
+    let simulate = |profile: &str| {
+        let flags = [
+            "simulate", &model, "--params", "k=1", "--start", "x=0", "--input", profile, "-o",
+            "r.csv",
+        ];
+        place.run(&flags).ended(0);
+        let text = place.read("r.csv");
+        text.split_once('\n').unwrap().1.to_owned()
+    };
+    assert_eq!(simulate(&plain), simulate(&other));
+}
+
+#[test]
 fn standstill_is_written_only_where_it_is_proved() {
     let place = Place::new();
     let profile = place.file("p.csv", "t,u\n0,0.1\n1,0.3\n2,0\n4,0\n");

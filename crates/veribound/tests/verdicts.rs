@@ -95,6 +95,139 @@ fn json_and_quiet_say_what_they_promise() {
 }
 
 #[test]
+fn the_results_of_a_folder_are_those_of_the_last_run() {
+    let place = Place::new();
+    let (model, record) = (
+        place.file("m.toml", CART),
+        place.file("r.csv", cart_record(5)),
+    );
+    place
+        .run(&["observe", &model, &record, "-o", "out"])
+        .ended(0);
+    place.file("out/notes.txt", "mine");
+    place.file("out/fig/photo.png", "mine");
+    place.file("out/.params.csv.4294967295.part", "a killed run");
+    place.observe(&model, &record, &[]).ended(0);
+    let expected = [
+        "boxes.csv",
+        "fig/photo.png",
+        "notes.txt",
+        "params.csv",
+        "run.toml",
+        "states.csv",
+        "summary.json",
+    ];
+    assert_eq!(place.files("out"), expected);
+}
+
+#[test]
+fn a_run_says_all_that_repeats_it() {
+    let place = Place::new();
+    let (model, record) = (
+        place.file("m.toml", CART),
+        place.file("r.csv", cart_record(21)),
+    );
+    place.observe(&model, &record, &[]).ended(0);
+    let flags = [
+        "observe",
+        &model,
+        &record,
+        "-o",
+        "b",
+        "--start-from",
+        "out",
+        "--overlay",
+        "out",
+        "--zoom",
+        "0.5..1",
+        "--figures",
+        "svg",
+    ];
+    place.run(&flags).ended(0);
+    let text = place.read("b/run.toml");
+    assert!(
+        text.starts_with("# Paths are relative to the folder in which the command was run.\n"),
+        "{text}"
+    );
+    assert!(!text.contains(place.path().to_str().unwrap()), "{text}");
+    let run: toml::Table = text.parse().unwrap();
+    let words = run["program"]["command"].as_array().unwrap();
+    let words: Vec<&str> = words.iter().map(|word| word.as_str().unwrap()).collect();
+    assert_eq!(words, [["veribound"].as_slice(), flags.as_slice()].concat());
+    let options = &run["options"];
+    assert_eq!(options["zoom"].as_str(), Some("0.5..1"));
+    assert_eq!(options["start_from"].as_str(), Some("out"));
+    assert_eq!(options["overlay"].as_str(), Some("out"));
+    let mut read = vec![&run["model"], &run["record"], &run["overlay"]];
+    read.extend(run["start"].as_array().unwrap());
+    let expected = [
+        "m.toml",
+        "r.csv",
+        "out/params.csv",
+        "out/summary.json",
+        "out/boxes.csv",
+    ];
+    for (file, name) in read.iter().zip(expected) {
+        assert_eq!(file["path"].as_str(), Some(name));
+        let digest = veribound_data::sha256_of_file(place.path().join(name)).unwrap();
+        assert_eq!(file["sha256"].as_str(), Some(digest.as_str()), "{name}");
+    }
+    assert_eq!(read.len(), expected.len());
+}
+
+#[test]
+fn missing_values_are_counted_and_unused_columns_named() {
+    let place = Place::new();
+    let record = "t,u,pos,wind,note\n0,1,0,3,a\n0.1,1,NaN,3,\n0.2,1,,3,b\n30,1,60,3,\n";
+    let (model, record) = (place.file("m.toml", CART), place.file("r.csv", record));
+    // The long gap before the last sample is no problem.
+    let ran = place.observe(&model, &record, &[]).ended(0);
+    assert_eq!(
+        ran.err,
+        "note: pos: 2 values missing\nnote: columns not used: wind, note\n"
+    );
+    let summary = json(&place.read("out/summary.json"));
+    assert_eq!(summary["missing"], serde_json::json!({ "pos": 2 }));
+    let ran = place.observe(&model, &record, &["-q"]).ended(0);
+    assert_eq!(ran.err, "");
+}
+
+#[test]
+fn another_unit_is_said_even_to_those_who_want_to_hear_nothing() {
+    let place = Place::new();
+    let record = cart_record(5).replace("pos", "pos [mm]");
+    let (model, record) = (place.file("m.toml", CART), place.file("r.csv", record));
+    let ran = place.observe(&model, &record, &["--quiet"]).ended(0);
+    let text = "the column `pos [mm]` is in mm, the model says m for `pos`: the numbers are taken \
+                as they are";
+    assert_eq!(ran.err, format!("warning: {text}\n"));
+    let summary = json(&place.read("out/summary.json"));
+    assert_eq!(summary["assumptions"], serde_json::json!([text]));
+    assert!(place.read("out/run.toml").contains(text));
+}
+
+#[test]
+fn a_window_says_where_the_start_intervals_hold() {
+    let place = Place::new();
+    let record = cart_record(21)
+        .replace("u,pos", "u,x_m")
+        .replace("0.0,1,0.0", "0.0,1,9.0");
+    let (model, record) = (place.file("m.toml", CART), place.file("r.csv", record));
+    let flags = ["--column", "pos=x_m", "--from", "0.15", "--to", "0.4"];
+    let ran = place.observe(&model, &record, &flags).ended(0);
+    let said = "the start intervals of the model file hold at t = 0.2 s";
+    assert!(ran.err.contains(said), "{}", ran.err);
+    let summary = json(&place.read("out/summary.json"));
+    assert!(
+        summary["assumptions"][0]
+            .as_str()
+            .unwrap()
+            .starts_with(said)
+    );
+    assert_eq!(summary["samples"], 3);
+}
+
+#[test]
 fn a_contradiction_is_proved_with_its_place() {
     let place = Place::new();
     let record = cart_record(21).replace("1.5,1,3.0", "1.5,1,30.0");
@@ -118,10 +251,13 @@ fn a_contradiction_is_proved_with_its_place() {
     }
     let summary = json(&place.read("out/summary.json"));
     assert_eq!(summary["verdict"], "inconsistent");
+    assert_eq!(summary["refutation"]["kind"], "output");
+    assert_eq!(summary["refutation"]["sample"], 15);
     assert_eq!(summary["refutation"]["line"], 17);
     assert_eq!(summary["refutation"]["output"], "pos");
     assert!(summary["refutation"]["gap"].as_f64().unwrap() > 20.0);
-    assert_eq!(summary["parameters"]["k"]["lo"], serde_json::Value::Null);
+    let k = &summary["parameters"]["k"];
+    assert_eq!((&k["empty"], k.get("lo")), (&true.into(), None));
     assert_eq!(bounds(&place.read("out/params.csv"), "k").len(), 15);
 }
 
@@ -187,6 +323,33 @@ fn a_check_says_what_was_understood() {
     }
 }
 
+/// While the record is checked nothing has been found that is worth to be kept.
+#[cfg(unix)]
+#[test]
+fn ctrl_c_during_the_check_of_the_record_ends_at_once() {
+    use std::process::{Command, Stdio};
+    let place = Place::new();
+    let (model, record) = (
+        place.file("m.toml", CART),
+        place.file("r.csv", cart_record(1_000_000)),
+    );
+    let child = place
+        .command(&["observe", &model, &record, "-o", "out"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    let sent = Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(sent.success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), None, "ended by the signal");
+    assert!(!place.path().join("out").exists());
+}
+
 #[cfg(unix)]
 #[test]
 fn ctrl_c_leaves_complete_files_up_to_the_last_sample() {
@@ -241,9 +404,20 @@ fn ctrl_c_leaves_complete_files_up_to_the_last_sample() {
         .collect();
     assert_eq!(left, [""; 0]);
     // The files can be gone on from.
-    place
-        .observe(&model, &record, &["--start-from", "out", "--to", "1"])
-        .ended(0);
+    let on = [
+        "observe",
+        &model,
+        &record,
+        "-o",
+        "on",
+        "--start-from",
+        "out",
+        "--to",
+        "1",
+        "--figures",
+        "none",
+    ];
+    place.run(&on).ended(0);
 }
 
 /// The most memory a run had, in KiB.

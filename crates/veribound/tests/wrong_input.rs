@@ -246,6 +246,157 @@ fn a_disk_that_is_full_leaves_no_half_table() {
     assert_eq!(place.files("out"), [""; 0]);
 }
 
+/// A second run into the same folder, on disks that are full at different places.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_that_is_full_leaves_the_results_of_the_run_before() {
+    let place = Place::new();
+    let (model, record) = (
+        place.file("m.toml", CART),
+        place.file("r.csv", cart_record(200)),
+    );
+    let flags = ["--figures", "svg"];
+    place
+        .run(&[&["observe", &model, &record, "-o", "out"], flags.as_slice()].concat())
+        .ended(0);
+    let before: Vec<(String, String)> = place
+        .files("out")
+        .into_iter()
+        .map(|name| (name.clone(), place.read(&format!("out/{name}"))))
+        .collect();
+    assert!(before.iter().any(|(name, _)| name == "summary.json"));
+    let program = env!("CARGO_BIN_EXE_veribound");
+    for blocks in [1, 2, 4, 8, 12, 16, 20] {
+        let line = format!(
+            "trap '' XFSZ; ulimit -f {blocks}; \
+             exec '{program}' observe {model} {record} -o out --figures svg --to 19"
+        );
+        let output = std::process::Command::new("sh")
+            .args(["-c", &line])
+            .current_dir(place.path())
+            .output();
+        let ran = support::Ran::of(output.unwrap()).ended(2);
+        says(&ran.err, &["error[E050", "out/"]);
+        for (name, text) in &before {
+            assert_eq!(
+                &place.read(&format!("out/{name}")),
+                text,
+                "{blocks}: {name}"
+            );
+        }
+        assert_eq!(place.files("out").len(), before.len());
+    }
+}
+
+#[test]
+fn results_in_the_place_of_what_is_read() {
+    let place = Place::new();
+    let model = place.file("m.toml", CART);
+    let record = place.file("params.csv", cart_record(5));
+    place.observe(&model, &record, &[]).ended(0);
+    std::fs::copy(place.path().join(&model), place.path().join("run.toml")).unwrap();
+    let observe = |model: &str, out: &str, more: &[&str], parts: &[&str]| {
+        let before = place.files("");
+        let mut arguments = vec!["observe", model, &record, "-o", out];
+        arguments.extend(more);
+        let ran = place.run(&arguments).ended(2);
+        says(&ran.err, &[parts, &["error[E0611]", "-o DIR"]].concat());
+        assert_eq!(place.read(&record), cart_record(5));
+        assert_eq!(place.files(""), before);
+    };
+    let is_record = "`params.csv` is the record";
+    for out in [".", "out/..", "new/..", place.path().to_str().unwrap()] {
+        observe(&model, out, &[], &[is_record]);
+    }
+    observe(
+        "run.toml",
+        "out/../.",
+        &[],
+        &["`run.toml` is the model file"],
+    );
+    let out = "those in `out`";
+    observe(&model, "out", &["--start-from", "out"], &[out]);
+    observe(&model, "./new/../out", &["--overlay", "out"], &[out]);
+
+    let decay = "format = 1\nstates = [\"x\"]\ninputs = [\"u\"]\ninit.x = 1\n\
+        params.k = [0, 3]\nder.x = \"-k * u\"\noutputs.y = \"x +- 0.1\"\n";
+    let (model, profile) = (
+        place.file("decay.toml", decay),
+        place.file("p.csv", "t,u\n0,1\n1,1\n"),
+    );
+    for (output, what) in [
+        ("decay.toml", "the model file"),
+        ("out/../p.csv", "the profile"),
+    ] {
+        let flags = [
+            "simulate", &model, "--params", "k=1", "--input", &profile, "-o", output,
+        ];
+        let ran = place.run(&flags).ended(2);
+        says(&ran.err, &["error[E0611]", what, "-o RECORD"]);
+        assert_eq!(place.read(&model), decay);
+        assert_eq!(place.read(&profile), "t,u\n0,1\n1,1\n");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn results_in_the_place_of_what_a_link_leads_to() {
+    let place = Place::new();
+    let (model, record) = (
+        place.file("m.toml", CART),
+        place.file("states.csv", cart_record(5)),
+    );
+    std::os::unix::fs::symlink(place.path(), place.path().join("here")).unwrap();
+    let ran = place
+        .run(&["observe", &model, &record, "-o", "here"])
+        .ended(2);
+    says(&ran.err, &["error[E0611]", "`states.csv` is the record"]);
+    assert_eq!(place.read(&record), cart_record(5));
+}
+
+#[test]
+fn a_start_from_results_that_are_not_complete() {
+    let place = Place::new();
+    let (model, record) = (
+        place.file("m.toml", CART),
+        place.file("r.csv", cart_record(5)),
+    );
+    place.observe(&model, &record, &[]).ended(0);
+    std::fs::remove_file(place.path().join("out/summary.json")).unwrap();
+    let flags = ["observe", &model, &record, "-o", "b", "--start-from", "out"];
+    let ran = place.run(&flags).ended(2);
+    says(
+        &ran.err,
+        &["error[E0504]", "`out` holds no complete results"],
+    );
+    assert!(!place.path().join("b").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_record_that_may_not_be_read() {
+    use std::os::unix::fs::PermissionsExt;
+    let place = Place::new();
+    let (model, record) = (
+        place.file("m.toml", CART),
+        place.file("r.csv", cart_record(5)),
+    );
+    let path = place.path().join(&record);
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o000)).unwrap();
+    if std::fs::read(&path).is_ok() {
+        // Straight to the terminal: the test harness swallows what passes through its macros.
+        use std::io::Write;
+        let _ = writeln!(
+            std::io::stderr(),
+            "SKIPPED a_record_that_may_not_be_read: this user may read everything"
+        );
+        return;
+    }
+    let ran = place.observe(&model, &record, &[]).ended(2);
+    says(&ran.err, &["error[E0401]", "`r.csv`", "permission denied"]);
+    assert!(!place.path().join("out").exists());
+}
+
 #[test]
 fn flags_that_do_not_fit_the_model() {
     let record = cart_record(3);
@@ -261,6 +412,10 @@ fn flags_that_do_not_fit_the_model() {
     flag(&["--input-error", "w=10%"], &["error[E0603]", "`u`"]);
     flag(&["--start-from", "nowhere"], &["error[E0401]", "nowhere"]);
     flag(&["--overlay", "nowhere"], &["error[E0605]", "nowhere"]);
+    flag(
+        &["--figures", "svg"],
+        &["error[E0612]", "--figures svg,png"],
+    );
     flag(
         &["--from", "7"],
         &["error[E0416]", "runs from 0 s to 0.2 s"],

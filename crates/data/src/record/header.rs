@@ -1,7 +1,7 @@
 //! The header line: what its columns are called, and how a name finds its column.
 
-use super::fields::{QuoteError, content, split};
 use super::units;
+use crate::reader::fields::{QuoteError, content, split};
 use std::ops::Range;
 use std::sync::Arc;
 use veribound_model::diagnostic::{Diagnostic, SourceText};

@@ -1,55 +1,11 @@
 //! What is said about a row that cannot be used.
 
 use super::cell::Fault;
-use super::fields::QuoteError;
 use super::header::Header;
-use super::lines::quote;
+use crate::reader::Line;
 use std::ops::Range;
 use veribound_interval::Decimal;
 use veribound_model::diagnostic::Diagnostic;
-
-/// A line of a record, as the place of a message.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Line<'a> {
-    /// Path as the user gave it.
-    pub file: &'a str,
-    pub text: &'a str,
-    /// The first line is 1.
-    pub number: usize,
-}
-
-impl Line<'_> {
-    /// Adds `range` of this line to a message.
-    fn mark(
-        self,
-        problem: Diagnostic,
-        range: Range<usize>,
-        label: impl Into<String>,
-    ) -> Diagnostic {
-        let (source, range) = quote(self.file, self.text, self.number, range);
-        problem.at(&source, range, label)
-    }
-}
-
-/// Quotes that do not enclose a whole field.
-pub(crate) fn bad_quotes(line: Line<'_>, error: QuoteError) -> Diagnostic {
-    let (message, range, label, help) = match error {
-        QuoteError::NeverClosed(range) => (
-            "a quoted field is never closed",
-            range.start..range.start + 1,
-            "the quote opens here",
-            "add the closing quote on the same line, or remove this one",
-        ),
-        QuoteError::TextAfter(range) => (
-            "text follows a closing quote",
-            range,
-            "after the quote",
-            "quote the whole field, and double the quotes inside it",
-        ),
-    };
-    line.mark(Diagnostic::new("E0406", message), range, label)
-        .help(help)
-}
 
 /// A row with more or fewer fields than the header.
 pub(crate) fn ragged(line: Line<'_>, ranges: &[Range<usize>], header: &Header) -> Diagnostic {

@@ -1,10 +1,8 @@
 //! Records in: a CSV file becomes samples, one at a time.
 
 mod cell;
-pub(crate) mod fields;
 mod header;
 mod layout;
-pub(crate) mod lines;
 mod messages;
 mod problems;
 mod row;
@@ -13,12 +11,12 @@ mod units;
 
 use crate::digest::Digesting;
 use crate::failure;
+use crate::reader::lines::{Lines, quote};
+use crate::reader::{Line, bad_quotes, fields, is_comment};
 use header::Header;
 use layout::{Finder, Layout};
-use lines::{Lines, quote};
-use messages::Line;
 use problems::Problems;
-use row::{Row, Rows, is_comment};
+use row::{Row, Rows};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -47,6 +45,9 @@ pub struct RecordOptions {
 /// differed from the recorded decimal by no more than the error bound of the model. Recorded bounds
 /// (`phi.lo`, `phi.hi`) are taken as recorded values too: the error bound widens them.
 ///
+/// An empty field or `NaN` of an output or a signal is a missing value: nothing was recorded there, so
+/// nothing is claimed ([`Record::missing`] counts them). Of an input or of the time it is an error.
+///
 /// *Cost*: the file is read once here and once for every [`Record::samples`]; memory does not
 /// grow with its length.
 #[derive(Debug, Clone)]
@@ -59,6 +60,7 @@ pub struct Record {
     first: Decimal,
     last: Decimal,
     sha256: String,
+    missing: Vec<(String, usize)>,
 }
 
 impl Record {
@@ -73,6 +75,18 @@ impl Record {
         path: impl AsRef<Path>,
         model: &Model,
         options: RecordOptions,
+    ) -> Result<Record, Diagnostics> {
+        Record::open_watched(path, model, options, &mut |_| {})
+    }
+
+    /// As [`Record::open`]; tells `watch` from time to time how many bytes have been checked.
+    ///
+    /// *Errors*: those of [`Record::open`].
+    pub fn open_watched(
+        path: impl AsRef<Path>,
+        model: &Model,
+        options: RecordOptions,
+        watch: &mut dyn FnMut(u64),
     ) -> Result<Record, Diagnostics> {
         let path = path.as_ref().to_path_buf();
         let name: Arc<str> = Arc::from(path.display().to_string());
@@ -92,16 +106,18 @@ impl Record {
         let Some(layout) = finder.find(model) else {
             return Err(problems.into_error(&name));
         };
-        let seen = check(&mut lines, &name, (&layout, &options), &mut problems);
+        let seen = check(&mut lines, &name, (&layout, &options), &mut problems, watch);
         if !problems.is_empty() {
             return Err(problems.into_error(&name));
         }
+        let missing = seen.missing(&layout);
         let Some((first, last)) = seen.window else {
             return Err(no_samples(&name, &options, seen.whole).into());
         };
         Ok(Record {
             sha256: lines.into_input().into_inner().finish(),
             path,
+            missing,
             layout: Arc::new(layout),
             options,
             samples: seen.samples,
@@ -169,6 +185,11 @@ impl Record {
         &self.layout.ignored
     }
 
+    /// Outputs and signals with missing values, and how many each has in the window.
+    pub fn missing(&self) -> &[(String, usize)] {
+        &self.missing
+    }
+
     /// What the user should know: a column whose unit is not the model's.
     pub fn warnings(&self) -> &[String] {
         &self.layout.warnings
@@ -228,6 +249,9 @@ impl Iterator for Samples {
 /// Bytes read from the disk at once.
 const BUFFER: usize = 1 << 16;
 
+/// How often a check says how far it is.
+const LINES_BETWEEN_REPORTS: usize = 1000;
+
 /// What [`check`] saw.
 #[derive(Default)]
 struct Seen {
@@ -236,6 +260,30 @@ struct Seen {
     window: Option<(Decimal, Decimal)>,
     /// First and last time in the file.
     whole: Option<(Decimal, Decimal)>,
+    /// Missing values in the window: of every output, then of every signal.
+    missing: Vec<usize>,
+}
+
+impl Seen {
+    fn count_missing(&mut self, sample: &Sample) {
+        let outputs = sample.outputs.iter().map(Option::is_none);
+        let signals = sample.signals.iter().map(Option::is_none);
+        self.missing
+            .resize(sample.outputs.len() + sample.signals.len(), 0);
+        for (count, is_missing) in self.missing.iter_mut().zip(outputs.chain(signals)) {
+            *count += usize::from(is_missing);
+        }
+    }
+
+    fn missing(&self, layout: &Layout) -> Vec<(String, usize)> {
+        let outputs = layout.outputs.iter().map(|output| &output.name);
+        let names = outputs.chain(layout.signals.iter().map(|(name, _)| name));
+        names
+            .zip(&self.missing)
+            .filter(|(_, count)| **count > 0)
+            .map(|(name, count)| (name.clone(), *count))
+            .collect()
+    }
 }
 
 fn check<R: BufRead>(
@@ -243,9 +291,11 @@ fn check<R: BufRead>(
     name: &str,
     (layout, options): (&Layout, &RecordOptions),
     problems: &mut Problems,
+    watch: &mut dyn FnMut(u64),
 ) -> Seen {
     let mut rows = Rows::new();
     let mut seen = Seen::default();
+    let mut bytes = 0;
     loop {
         let (text, number) = match lines.next_line() {
             Ok(Some(line)) => line,
@@ -260,9 +310,14 @@ fn check<R: BufRead>(
             text,
             number,
         };
+        bytes += text.len() as u64 + 1;
+        if number % LINES_BETWEEN_REPORTS == 0 {
+            watch(bytes);
+        }
         let row = rows.read(line, layout, options, problems);
         if let Row::Sample(sample) = row {
             seen.samples += 1;
+            seen.count_missing(&sample);
             let first = seen.window.take().map(|(first, _)| first);
             seen.window = Some((first.unwrap_or_else(|| sample.time.clone()), sample.time));
         }
@@ -318,7 +373,7 @@ fn read_header<R: BufRead>(lines: &mut Lines<R>, name: &str) -> Result<Header, D
         };
         let (source, _) = quote(name, text, number, 0..0);
         return Header::parse(text, fields::separator(text), &source)
-            .map_err(|error| messages::bad_quotes(line, error));
+            .map_err(|error| bad_quotes(line, error));
     }
 }
 

@@ -2,11 +2,12 @@
 
 use super::RecordOptions;
 use super::cell;
-use super::fields::{self, content};
 use super::header::Place;
 use super::layout::{Layout, Source};
-use super::messages::{self, Line, Need};
+use super::messages::{self, Need};
 use super::problems::Problems;
+use crate::reader::fields::{self, content};
+use crate::reader::{Line, bad_quotes, is_comment};
 use std::ops::Range;
 use veribound_interval::{Decimal, Interval};
 use veribound_model::diagnostic::Diagnostic;
@@ -34,12 +35,6 @@ pub(crate) struct Rows {
     previous: Option<(Decimal, usize)>,
 }
 
-/// Whether a line is no row of the table: blank, or a comment.
-pub(crate) fn is_comment(line: &str) -> bool {
-    let text = line.trim();
-    text.is_empty() || text.starts_with('#')
-}
-
 impl Rows {
     pub(crate) fn new() -> Self {
         Rows {
@@ -65,7 +60,7 @@ impl Rows {
             return Row::Nothing;
         }
         if let Err(error) = fields::split(line.text, layout.header.separator, &mut self.ranges) {
-            problems.add("E0406", 0, || messages::bad_quotes(line, error));
+            problems.add("E0406", 0, || bad_quotes(line, error));
             return Row::Bad;
         }
         if self.ranges.iter().all(|range| range.is_empty()) {

@@ -1,5 +1,5 @@
-//! The folder of a run. A file in it is whole or not there: it is written under a temporary name and
-//! renamed when it is complete.
+//! The folder of a run. Every file is written whole under a temporary name; the results get their own
+//! names together, at the end.
 
 use crate::failure;
 use std::fs::{self, File};
@@ -7,7 +7,20 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use veribound_model::diagnostic::Diagnostic;
 
+/// The file that says that the results are complete: it goes first and comes last.
+const MARK: &str = "summary.json";
+
+/// The tables of a run.
+const TABLES: [&str; 5] = [MARK, "run.toml", "states.csv", "params.csv", "boxes.csv"];
+
+/// The figures of a run, in the folder `fig`.
+const FIGURES: [&str; 5] = ["angle", "params", "states", "modes", "work"];
+
 /// Where the files of a run go.
+///
+/// *Guarantee*: a folder with a `summary.json` holds the results of one run, all of them and
+/// nothing of another. A run that fails before [`ResultFolder::publish`] changes no result that is
+/// there.
 #[derive(Debug, Clone)]
 pub struct ResultFolder {
     path: PathBuf,
@@ -16,7 +29,7 @@ pub struct ResultFolder {
 impl ResultFolder {
     /// Makes the folder where it does not exist, and makes sure that files can be written to it.
     ///
-    /// Files of an earlier run stay until they are replaced by complete new ones.
+    /// Results of an earlier run stay; what a run that was killed left half written is removed.
     ///
     /// *Errors*: `E0501` not writable, `E0502` disk full.
     pub fn create(path: impl AsRef<Path>) -> Result<Self, Diagnostic> {
@@ -25,6 +38,9 @@ impl ResultFolder {
         };
         let refuse = |error| failure::unwritable(&folder.path.display().to_string(), &error);
         fs::create_dir_all(&folder.path).map_err(refuse)?;
+        for place in [folder.path.clone(), folder.path.join("fig")] {
+            remove_abandoned(&place);
+        }
         // Permission bits do not tell about full or read-only disks; writing does.
         let mut probe = folder.file("writable")?;
         probe
@@ -37,6 +53,15 @@ impl ResultFolder {
     /// Path of the folder as the user gave it.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Everything that a run with its results in the folder `path` may write or replace.
+    pub fn names(path: &Path) -> Vec<PathBuf> {
+        let tables = TABLES.iter().map(|name| path.join(name));
+        let figures = FIGURES.iter().flat_map(|name| {
+            ["svg", "png"].map(|ending| path.join("fig").join(format!("{name}.{ending}")))
+        });
+        tables.chain(figures).collect()
     }
 
     /// Starts the file `name`, a path inside the folder such as `fig/angle.svg`.
@@ -54,78 +79,125 @@ impl ResultFolder {
         let temporary = temporary_name(&path);
         let file = File::create(&temporary).map_err(refuse)?;
         Ok(ResultFile {
-            output: Some(BufWriter::with_capacity(1 << 16, file)),
-            temporary,
-            path,
+            output: BufWriter::with_capacity(1 << 16, file),
+            place: Place {
+                temporary: Some(temporary),
+                path,
+            },
         })
     }
 
     /// Writes the whole file `name`.
     ///
     /// *Errors*: `E0501`, `E0502`; nothing of the file is left then.
-    pub fn write(&self, name: &str, content: &[u8]) -> Result<(), Diagnostic> {
+    pub fn write(&self, name: &str, content: &[u8]) -> Result<CompleteFile, Diagnostic> {
         let mut file = self.file(name)?;
         let written = file.write_all(content);
         written.map_err(|error| file.refuse(&error))?;
         file.finish()
     }
+
+    /// Puts the results of a run under their names, in place of those of an earlier run.
+    ///
+    /// `summary.json` is the mark of a complete run: that of the earlier run is removed before
+    /// anything else changes, the new one comes last. Figures of the earlier run without a new one
+    /// in their place are removed.
+    ///
+    /// *Errors*: `E0501`; the folder holds no `summary.json` then.
+    pub fn publish(&self, results: Vec<CompleteFile>) -> Result<(), Diagnostic> {
+        let mark = self.path.join(MARK);
+        remove(&mark)?;
+        for name in ResultFolder::names(&self.path) {
+            if results.iter().all(|file| file.place.path != name) {
+                remove(&name)?;
+            }
+        }
+        // Empty after the last figure; not empty, and left alone, where the user keeps more in it.
+        let _ = fs::remove_dir(self.path.join("fig"));
+        let (marks, others): (Vec<_>, Vec<_>) = results
+            .into_iter()
+            .partition(|file| file.place.path == mark);
+        others
+            .into_iter()
+            .chain(marks)
+            .try_for_each(CompleteFile::put_in_place)
+    }
 }
 
-/// A file that appears under its name when it is finished; dropped before, it leaves nothing.
+/// A file that is being written; dropped before [`ResultFile::finish`], it leaves nothing.
 #[derive(Debug)]
 pub struct ResultFile {
-    /// `None` when finished.
-    output: Option<BufWriter<File>>,
-    temporary: PathBuf,
+    output: BufWriter<File>,
+    place: Place,
+}
+
+/// A file that is on the disk whole, still under its temporary name; dropped, it leaves nothing.
+#[derive(Debug)]
+#[must_use = "a file that is not put in place is removed"]
+pub struct CompleteFile {
+    place: Place,
+}
+
+/// Where a file is and where it shall be.
+#[derive(Debug)]
+struct Place {
+    /// `None` when the file has its name.
+    temporary: Option<PathBuf>,
     path: PathBuf,
 }
 
 impl ResultFile {
-    /// Puts the file under its name, when all of it has reached the disk.
+    /// Ends the file, when all of it has reached the disk.
     ///
     /// *Errors*: `E0501`, `E0502`; nothing of the file is left then.
-    pub fn finish(mut self) -> Result<(), Diagnostic> {
-        let written = self.put_in_place();
-        written.map_err(|error| self.refuse(&error))
+    pub fn finish(mut self) -> Result<CompleteFile, Diagnostic> {
+        // A full disk may show only when the data leave the cache.
+        let flushed = self.output.flush();
+        flushed
+            .and_then(|()| self.output.get_ref().sync_all())
+            .map_err(|error| self.refuse(&error))?;
+        Ok(CompleteFile { place: self.place })
     }
 
     /// The message for an error of writing to this file.
     pub fn refuse(&self, error: &io::Error) -> Diagnostic {
-        failure::unwritable(&self.path.display().to_string(), error)
+        self.place.refuse(error)
     }
+}
 
-    fn put_in_place(&mut self) -> io::Result<()> {
-        let Some(output) = &mut self.output else {
-            return Ok(());
-        };
-        output.flush()?;
-        // A full disk may show only when the data leave the cache.
-        output.get_ref().sync_all()?;
-        fs::rename(&self.temporary, &self.path)?;
-        self.output = None;
+impl CompleteFile {
+    /// Puts the file under its name, in place of an earlier one.
+    ///
+    /// *Errors*: `E0501`; the earlier file is still there then.
+    pub fn put_in_place(mut self) -> Result<(), Diagnostic> {
+        if let Some(temporary) = &self.place.temporary {
+            fs::rename(temporary, &self.place.path).map_err(|error| self.place.refuse(&error))?;
+            self.place.temporary = None;
+        }
         Ok(())
+    }
+}
+
+impl Place {
+    fn refuse(&self, error: &io::Error) -> Diagnostic {
+        failure::unwritable(&self.path.display().to_string(), error)
     }
 }
 
 impl Write for ResultFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        match &mut self.output {
-            Some(output) => output.write(bytes),
-            None => Ok(bytes.len()),
-        }
+        self.output.write(bytes)
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        self.output.as_mut().map_or(Ok(()), Write::flush)
+        self.output.flush()
     }
 }
 
-impl Drop for ResultFile {
+impl Drop for Place {
     fn drop(&mut self) {
-        if let Some(output) = self.output.take() {
-            // What is still in the buffer belongs to a file that nobody will see.
-            let _ = output.into_parts();
-            let _ = fs::remove_file(&self.temporary);
+        if let Some(temporary) = &self.temporary {
+            let _ = fs::remove_file(temporary);
         }
     }
 }
@@ -134,6 +206,40 @@ impl Drop for ResultFile {
 fn temporary_name(path: &Path) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     path.with_file_name(format!(".{name}.{}.part", std::process::id()))
+}
+
+/// The number of the process that gave a file its [`temporary_name`].
+fn writer(name: &str) -> Option<u32> {
+    let middle = name.strip_prefix('.')?.strip_suffix(".part")?;
+    middle.rsplit_once('.')?.1.parse().ok()
+}
+
+/// Removes files that a run which is gone left half written. Where the system tells that the process
+/// still runs, the file stays: it may be a run at the same time.
+fn remove_abandoned(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let process = writer(&entry.file_name().to_string_lossy());
+        let is_gone = |process: u32| !Path::new("/proc").join(process.to_string()).exists();
+        if process.is_some_and(is_gone) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+fn remove(path: &Path) -> Result<(), Diagnostic> {
+    match fs::remove_file(path) {
+        Err(error) if !is_absent(&error) => {
+            Err(failure::unwritable(&path.display().to_string(), &error))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn is_absent(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        io::ErrorKind::NotFound | io::ErrorKind::NotADirectory
+    )
 }
 
 #[cfg(test)]
@@ -157,15 +263,78 @@ mod tests {
         let mut file = folder.file("x.csv").unwrap();
         file.write_all(b"t\n").unwrap();
         drop(file);
+        drop(folder.write("y.csv", b"t\n").unwrap());
         assert_eq!(files(folder.path()), [""; 0]);
-        folder.write("x.csv", b"old").unwrap();
+        folder
+            .write("x.csv", b"old")
+            .unwrap()
+            .put_in_place()
+            .unwrap();
         let mut file = folder.file("x.csv").unwrap();
         file.write_all(b"new").unwrap();
+        let file = file.finish().unwrap();
         assert_eq!(fs::read(folder.path().join("x.csv")).unwrap(), b"old");
-        file.finish().unwrap();
+        file.put_in_place().unwrap();
         assert_eq!(fs::read(folder.path().join("x.csv")).unwrap(), b"new");
-        folder.write("fig/a.svg", b"<svg/>").unwrap();
-        assert_eq!(files(folder.path()), ["fig", "x.csv"]);
+        assert_eq!(files(folder.path()), ["x.csv"]);
+    }
+
+    #[test]
+    fn results_replace_those_of_an_earlier_run_together() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = ResultFolder::create(place.path()).unwrap();
+        let write = |names: &[&str]| {
+            let files = names.iter().map(|name| folder.write(name, b"x"));
+            files.collect::<Result<Vec<_>, _>>().unwrap()
+        };
+        folder
+            .publish(write(&[
+                "summary.json",
+                "params.csv",
+                "fig/angle.svg",
+                "fig/work.png",
+            ]))
+            .unwrap();
+        fs::write(place.path().join("notes.txt"), b"the user's own").unwrap();
+        folder
+            .publish(write(&["summary.json", "fig/angle.svg"]))
+            .unwrap();
+        assert_eq!(files(place.path()), ["fig", "notes.txt", "summary.json"]);
+        assert_eq!(files(&place.path().join("fig")), ["angle.svg"]);
+        folder
+            .publish(write(&["params.csv", "summary.json"]))
+            .unwrap();
+        assert_eq!(
+            files(place.path()),
+            ["notes.txt", "params.csv", "summary.json"]
+        );
+        // A name that cannot be given: nothing claims to be complete.
+        let results = write(&["summary.json", "params.csv"]);
+        fs::remove_file(place.path().join("params.csv")).unwrap();
+        fs::create_dir_all(place.path().join("params.csv/full")).unwrap();
+        assert_eq!(folder.publish(results).unwrap_err().code, "E0501");
+        assert_eq!(files(place.path()), ["notes.txt", "params.csv"]);
+    }
+
+    #[test]
+    fn what_a_killed_run_left_is_removed() {
+        let place = tempfile::tempdir().unwrap();
+        fs::create_dir(place.path().join("fig")).unwrap();
+        // No process has this number.
+        let left = [
+            ".params.csv.4294967295.part",
+            "fig/.angle.svg.4294967295.part",
+        ];
+        let kept = [".mine.part", "a.1.part", ".hidden"];
+        for name in left.iter().chain(&kept) {
+            fs::write(place.path().join(name), b"t").unwrap();
+        }
+        ResultFolder::create(place.path()).unwrap();
+        assert_eq!(
+            files(place.path()),
+            [".hidden", ".mine.part", "a.1.part", "fig"]
+        );
+        assert_eq!(files(&place.path().join("fig")), [""; 0]);
     }
 
     #[cfg(target_os = "linux")]
@@ -176,9 +345,11 @@ mod tests {
         fs::write(&temporary, b"").unwrap();
         let full = File::options().write(true).open("/dev/full").unwrap();
         let mut file = ResultFile {
-            output: Some(BufWriter::new(full)),
-            temporary,
-            path: place.path().join("x.csv"),
+            output: BufWriter::new(full),
+            place: Place {
+                temporary: Some(temporary),
+                path: place.path().join("x.csv"),
+            },
         };
         file.write_all(b"t,phi\n").unwrap();
         let error = file.finish().unwrap_err();

@@ -1,13 +1,18 @@
 //! `run.toml`: all that is needed to repeat a run.
 
-use super::folder::ResultFolder;
-use crate::digest::sha256_of_file;
+use super::folder::{CompleteFile, ResultFolder};
+use crate::digest::sha256_of_text;
 use crate::record::Record;
 use serde::Serialize;
 use std::path::Path;
 use veribound_model::diagnostic::Diagnostic;
 
-/// The content of `run.toml`; it holds nothing that differs between two equal runs.
+/// The content of `run.toml`: the command, every option with its value, and a digest of every file
+/// that was read.
+///
+/// Paths are those that the user gave, relative to the folder in which the command was run; that
+/// folder is not named. Two runs with the same words, files and program on the same kind of machine
+/// write the same bytes: no time, no name of a user or machine is in it.
 #[derive(Debug, Clone, Serialize)]
 pub struct RunInfo {
     /// What ran.
@@ -19,9 +24,12 @@ pub struct RunInfo {
     /// The record.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub record: Option<RecordInfo>,
-    /// The `summary.json` of the run that this one started from.
+    /// The files of the run that this one started from.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub start: Vec<FileInfo>,
+    /// The table of the run that the figures show behind this one.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub start: Option<FileInfo>,
+    pub overlay: Option<FileInfo>,
     /// Every option with the value that was used, given or default.
     pub options: toml::Table,
 }
@@ -31,7 +39,7 @@ pub struct RunInfo {
 pub struct Program {
     /// Version of the program.
     pub version: String,
-    /// The command line, word by word.
+    /// The command line, word by word; the program by its name.
     pub command: Vec<String>,
 }
 
@@ -72,17 +80,21 @@ pub struct RecordInfo {
     pub columns: Vec<[String; 2]>,
 }
 
+/// The first line of `run.toml`.
+const HEAD: &str = "# Paths are relative to the folder in which the command was run.\n";
+
 impl RunInfo {
     /// Writes `run.toml`.
     ///
     /// *Errors*: `E0501`, `E0502`; `E0503` when an option has no form in TOML.
-    pub fn write(&self, folder: &ResultFolder) -> Result<(), Diagnostic> {
+    pub fn write(&self, folder: &ResultFolder) -> Result<CompleteFile, Diagnostic> {
         let text = toml::to_string(self).map_err(|error| {
             Diagnostic::new(
                 "E0503",
                 format!("the run cannot be written as TOML: {error}"),
             )
         })?;
+        let text = format!("{HEAD}{text}");
         folder.write("run.toml", text.as_bytes())
     }
 }
@@ -99,15 +111,12 @@ impl Platform {
 }
 
 impl FileInfo {
-    /// Takes the digest of a file.
-    ///
-    /// *Errors*: `E0401` when it cannot be read.
-    pub fn of(path: impl AsRef<Path>) -> Result<Self, Diagnostic> {
-        let path = path.as_ref();
-        Ok(FileInfo {
+    /// A file that was read whole as this text.
+    pub fn of_text(path: &Path, text: &str) -> Self {
+        FileInfo {
             path: path.display().to_string(),
-            sha256: sha256_of_file(path)?,
-        })
+            sha256: sha256_of_text(text),
+        }
     }
 }
 
@@ -136,7 +145,6 @@ mod tests {
     fn the_file_can_be_read_as_toml() {
         let place = tempfile::tempdir().unwrap();
         let folder = ResultFolder::create(place.path()).unwrap();
-        folder.write("model.toml", b"format = 1\n").unwrap();
         let mut options = toml::Table::new();
         options.insert("boxes".to_owned(), toml::Value::Integer(50));
         let run = RunInfo {
@@ -147,12 +155,13 @@ mod tests {
                     .to_vec(),
             },
             platform: Platform::current(),
-            model: FileInfo::of(place.path().join("model.toml")).unwrap(),
+            model: FileInfo::of_text(Path::new("model.toml"), "format = 1\n"),
             record: None,
-            start: None,
+            start: Vec::new(),
+            overlay: None,
             options,
         };
-        run.write(&folder).unwrap();
+        run.write(&folder).unwrap().put_in_place().unwrap();
         let text = std::fs::read_to_string(place.path().join("run.toml")).unwrap();
         let table: toml::Table = text.parse().unwrap();
         assert_eq!(table["options"]["boxes"].as_integer(), Some(50));

@@ -1,15 +1,14 @@
 //! The parameters that an earlier run proved, to start from.
 
 use super::number::Number;
+use super::run_info::FileInfo;
 use crate::failure;
-use crate::record::fields::{content, split};
-use crate::record::lines::{Lines, quote};
+use crate::reader::table::{TableReader, TableRow};
 use serde::Deserialize;
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::BufReader;
-use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::io;
+use std::path::Path;
 use veribound_interval::{Decimal, Interval};
 use veribound_model::diagnostic::{Diagnostic, SourceText};
 use veribound_model::model::Model;
@@ -26,14 +25,19 @@ pub struct Start {
     /// Boxes of the parameters at the end of the run, in the order of the model, from `boxes.csv`;
     /// empty when the run wrote none.
     pub boxes: Vec<Vec<Interval>>,
-    /// The `summary.json` that was read.
-    pub summary: PathBuf,
+    /// The files that were read.
+    pub files: Vec<FileInfo>,
+}
+
+/// The part of `summary.json` that is read first: not every verdict comes with bounds.
+#[derive(Deserialize)]
+struct WrittenVerdict {
+    verdict: String,
 }
 
 /// The part of `summary.json` that is read back.
 #[derive(Deserialize)]
 struct Written {
-    verdict: String,
     parameters: BTreeMap<String, WrittenBounds>,
 }
 
@@ -46,34 +50,46 @@ struct WrittenBounds {
 impl Start {
     /// Reads the results in the folder `path`.
     ///
-    /// *Errors*: `E0401` when a file cannot be read, `E0504` when it is no result, `E0505` when it
-    /// does not fit the model or the run proved the model inconsistent.
+    /// *Errors*: `E0401` when a file cannot be read, `E0504` when it is no result or the folder holds
+    /// no complete one, `E0505` when it does not fit the model or the run proved the model
+    /// inconsistent.
     pub fn read(path: impl AsRef<Path>, model: &Model) -> Result<Start, Diagnostic> {
         let folder = path.as_ref();
-        let summary = folder.join("summary.json");
-        let params = read_summary(&summary, model)?;
+        let (params, summary) = read_summary(folder, model)?;
+        let mut files = vec![summary];
         let boxes = folder.join("boxes.csv");
         let boxes = if boxes.is_file() {
-            read_boxes(&boxes, model)?
+            let (boxes, table) = read_boxes(&boxes, model)?;
+            files.push(table);
+            boxes
         } else {
             Vec::new()
         };
         Ok(Start {
             params,
             boxes,
-            summary,
+            files,
         })
     }
 }
 
-fn read_summary(path: &Path, model: &Model) -> Result<Vec<Interval>, Diagnostic> {
+fn read_summary(folder: &Path, model: &Model) -> Result<(Vec<Interval>, FileInfo), Diagnostic> {
+    let path = folder.join("summary.json");
     let name = path.display().to_string();
-    let text = fs::read_to_string(path).map_err(|error| {
+    let text = fs::read_to_string(&path).map_err(|error| {
+        if error.kind() == io::ErrorKind::NotFound && folder.is_dir() {
+            let message = format!(
+                "`{}` holds no complete results: it has no summary.json",
+                folder.display()
+            );
+            return Diagnostic::new("E0504", message)
+                .help("run the earlier observation again, or name the folder of another one");
+        }
         failure::unreadable(&name, &error)
             .help("name the folder that an earlier run wrote with `-o DIR`")
     })?;
-    let written: Written =
-        serde_json::from_str(&text).map_err(|error| no_json(&name, &text, &error))?;
+    let no_json = |error| no_json(&name, &text, &error);
+    let written: WrittenVerdict = serde_json::from_str(&text).map_err(no_json)?;
     if written.verdict == "inconsistent" {
         let message =
             format!("the run in `{name}` proved the model inconsistent: it left no parameters");
@@ -81,6 +97,7 @@ fn read_summary(path: &Path, model: &Model) -> Result<Vec<Interval>, Diagnostic>
             Diagnostic::new("E0505", message).help("start from a run that ended consistent")
         );
     }
+    let written: Written = serde_json::from_str(&text).map_err(no_json)?;
     let mut params = Vec::with_capacity(model.params.len());
     for param in &model.params {
         let bounds = written.parameters.get(&param.name);
@@ -88,59 +105,22 @@ fn read_summary(path: &Path, model: &Model) -> Result<Vec<Interval>, Diagnostic>
         let ends = (bounds.lo.decimal(), bounds.hi.decimal());
         params.push(enclose(ends).ok_or_else(|| reversed(&name, &param.name))?);
     }
-    Ok(params)
+    Ok((params, FileInfo::of_text(&path, &text)))
 }
 
-fn read_boxes(path: &Path, model: &Model) -> Result<Vec<Vec<Interval>>, Diagnostic> {
+fn read_boxes(path: &Path, model: &Model) -> Result<(Vec<Vec<Interval>>, FileInfo), Diagnostic> {
     let name = path.display().to_string();
-    let file = File::open(path).map_err(|error| failure::unreadable(&name, &error))?;
-    let mut lines = Lines::new(BufReader::new(file), &name)?;
-    let mut ranges: Vec<Range<usize>> = Vec::new();
-    let mut places: Option<Vec<(usize, usize)>> = None;
+    let mut table = TableReader::open(path).map_err(no_result)?;
+    let mut places = Vec::with_capacity(model.params.len());
+    for param in &model.params {
+        let column = |end| table.column(&format!("{}.{end}", param.name));
+        let pair = column("lo").zip(column("hi"));
+        places.push(pair.ok_or_else(|| not_of_this_model(&name, &param.name))?);
+    }
     let mut last_time: Option<Decimal> = None;
     let mut boxes = Vec::new();
-    while let Some((line, number)) = lines.next_line()? {
-        let refuse = |range: Range<usize>, message: String| {
-            let (source, range) = quote(&name, line, number, range);
-            Diagnostic::new("E0504", message)
-                .at(&source, range, "written by no run of this program")
-                .help("run the earlier observation again")
-        };
-        if split(line, ',', &mut ranges).is_err() {
-            return Err(refuse(
-                0..line.len(),
-                "the quotes of a field do not match".to_owned(),
-            ));
-        }
-        let field = |at: usize| {
-            let range = ranges.get(at).cloned().unwrap_or_default();
-            (content(line, range.clone()), range)
-        };
-        let Some(places) = &places else {
-            let mut found = Vec::with_capacity(model.params.len());
-            for param in &model.params {
-                let position = |end| {
-                    let wanted = format!("{}.{end}", param.name);
-                    (0..ranges.len()).find(|at| field(*at).0 == wanted)
-                };
-                let pair = position("lo").zip(position("hi"));
-                found.push(pair.ok_or_else(|| not_of_this_model(&name, &param.name))?);
-            }
-            places = Some(found);
-            continue;
-        };
-        let number_at = |at: usize| {
-            let (text, range) = field(at);
-            Decimal::parse(&text).map_err(|_| refuse(range, format!("`{text}` is no number")))
-        };
-        let end_at = |at: usize, infinite: &str| {
-            if field(at).0 == infinite {
-                Ok(None)
-            } else {
-                number_at(at).map(Some)
-            }
-        };
-        let time = number_at(0)?;
+    while let Some(row) = table.next_row().map_err(no_result)? {
+        let time = number(row, 0)?;
         // Only the boxes of the last sample describe the end of the run.
         if last_time.as_ref().is_none_or(|last| *last != time) {
             boxes.clear();
@@ -148,12 +128,42 @@ fn read_boxes(path: &Path, model: &Model) -> Result<Vec<Vec<Interval>>, Diagnost
         last_time = Some(time);
         let mut one = Vec::with_capacity(places.len());
         for ((lo, hi), param) in places.iter().zip(&model.params) {
-            let ends = (end_at(*lo, "-inf")?, end_at(*hi, "inf")?);
+            let ends = (end(row, *lo, "-inf")?, end(row, *hi, "inf")?);
             one.push(enclose(ends).ok_or_else(|| reversed(&name, &param.name))?);
         }
         boxes.push(one);
     }
-    Ok(boxes)
+    let table = FileInfo {
+        path: name,
+        sha256: table.sha256(),
+    };
+    Ok((boxes, table))
+}
+
+fn number(row: TableRow<'_>, at: usize) -> Result<Decimal, Diagnostic> {
+    let text = row.field(at);
+    Decimal::parse(&text).map_err(|_| {
+        let problem = Diagnostic::new("E0504", format!("`{text}` is no number"));
+        row.mark(problem, at, "written by no run of this program")
+            .help("run the earlier observation again")
+    })
+}
+
+/// A printed end; `None` where it is `infinite`.
+fn end(row: TableRow<'_>, at: usize, infinite: &str) -> Result<Option<Decimal>, Diagnostic> {
+    if row.field(at) == infinite {
+        Ok(None)
+    } else {
+        number(row, at).map(Some)
+    }
+}
+
+/// A table that this program did not write.
+fn no_result(mut problem: Diagnostic) -> Diagnostic {
+    if problem.code != "E0401" {
+        problem.code = "E0504";
+    }
+    problem.help("run the earlier observation again")
 }
 
 /// The smallest interval around two printed ends; `None` where they are reversed.

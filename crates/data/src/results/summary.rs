@@ -1,6 +1,5 @@
 //! `summary.json`: the verdict of a run and the bounds it proved.
 
-use super::folder::ResultFolder;
 use super::number::Number;
 use crate::outward;
 use serde::ser::SerializeMap;
@@ -24,7 +23,8 @@ pub enum Verdict {
 /// The content of `summary.json`.
 ///
 /// *Guarantee*: bounds are decimal numbers rounded outward from what was proved, gaps and shrinks
-/// are rounded down. An infinite bound is `null`.
+/// are rounded down. An infinite bound is `null`; where nothing is left, `"empty": true` stands for
+/// the bounds.
 #[derive(Debug, Clone, Serialize)]
 pub struct Summary {
     /// The verdict.
@@ -45,6 +45,13 @@ pub struct Summary {
     pub states: Vec<(String, StateSummary)>,
     /// What the run cost.
     pub work: Work,
+    /// True when the user ended the run before the end of the record.
+    pub interrupted: bool,
+    /// What was assumed beside the model file, in sentences.
+    pub assumptions: Vec<String>,
+    /// Outputs and signals with missing values, and how many each has in the window.
+    #[serde(serialize_with = "by_name", skip_serializing_if = "Vec::is_empty")]
+    pub missing: Vec<(String, usize)>,
 }
 
 /// Bounds of one parameter.
@@ -67,6 +74,8 @@ pub struct StateSummary {
 /// The sample at which the last box was refuted.
 #[derive(Debug, Clone, Serialize)]
 pub struct Refutation {
+    kind: Kind,
+    sample: u64,
     line: usize,
     time: Number,
     output: String,
@@ -74,6 +83,18 @@ pub struct Refutation {
     gap: Number,
     enclosure: Ends,
     measured: Ends,
+}
+
+/// What the model's enclosure contradicts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// The measurement of an output.
+    Output,
+    /// What a signal proves.
+    Signal,
+    /// How far a state moved, by the measurements.
+    Motion,
 }
 
 /// What a run cost.
@@ -89,11 +110,12 @@ pub struct Work {
     pub boxes_max: usize,
 }
 
-/// Both ends of an interval, printed.
+/// An interval, printed.
 #[derive(Debug, Clone, Serialize)]
-struct Ends {
-    lo: Number,
-    hi: Number,
+#[serde(untagged)]
+enum Ends {
+    Between { lo: Number, hi: Number },
+    Nothing { empty: bool },
 }
 
 impl ParameterSummary {
@@ -122,15 +144,19 @@ impl StateSummary {
 }
 
 impl Refutation {
-    /// The measurement `measured` of an output, at a sample on `line` at `time`, and the disjoint
-    /// `enclosure` of all values that the model allows.
+    /// What is `measured` of an output, or said of a state in another way, at the sample of this
+    /// index (from 0) on `line` at `time`, and the disjoint `enclosure` of all values that the model
+    /// allows.
     pub fn new(
-        (line, time): (usize, &Decimal),
+        kind: Kind,
+        (sample, line, time): (u64, usize, &Decimal),
         (output, unit): (&str, &str),
         (enclosure, measured): (Interval, Interval),
     ) -> Self {
         let gap = (measured - enclosure).mig();
         Refutation {
+            kind,
+            sample,
             line,
             time: Number::new(time.to_string()),
             output: output.to_owned(),
@@ -144,10 +170,10 @@ impl Refutation {
 }
 
 impl Summary {
-    /// Writes `summary.json`.
+    /// The text of `summary.json`.
     ///
-    /// *Errors*: `E0501`, `E0502`.
-    pub fn write(&self, folder: &ResultFolder) -> Result<(), Diagnostic> {
+    /// *Errors*: `E0503` when it has no form in JSON.
+    pub fn to_json(&self) -> Result<String, Diagnostic> {
         let mut text = serde_json::to_string_pretty(self).map_err(|error| {
             Diagnostic::new(
                 "E0503",
@@ -155,23 +181,20 @@ impl Summary {
             )
         })?;
         text.push('\n');
-        folder.write("summary.json", text.as_bytes())
+        Ok(text)
     }
 }
 
 impl Ends {
     fn outward(bounds: Interval) -> Self {
         if bounds.is_empty() {
-            return Ends {
-                lo: Number(None),
-                hi: Number(None),
-            };
+            return Ends::Nothing { empty: true };
         }
         Ends::new((outward::lower(bounds), outward::upper(bounds)))
     }
 
     fn new((lo, hi): (String, String)) -> Self {
-        Ends {
+        Ends::Between {
             lo: Number::new(lo),
             hi: Number::new(hi),
         }
@@ -222,7 +245,8 @@ mod tests {
             verdict: Verdict::Inconsistent,
             reason: Some("no parameter in the prior explains the data".to_owned()),
             refutation: Some(Refutation::new(
-                (4127, &time),
+                Kind::Output,
+                (4125, 4127, &time),
                 ("phi_m", "rad"),
                 (enclosure, measured),
             )),
@@ -247,16 +271,16 @@ mod tests {
                 box_steps: 12,
                 boxes_max: 50,
             },
+            interrupted: false,
+            assumptions: vec!["the angle is in deg".to_owned()],
+            missing: vec![("phi_m".to_owned(), 3)],
         };
-        let place = tempfile::tempdir().unwrap();
-        summary
-            .write(&ResultFolder::create(place.path()).unwrap())
-            .unwrap();
-        let written = std::fs::read_to_string(place.path().join("summary.json")).unwrap();
         let expected = r#"{
   "verdict": "inconsistent",
   "reason": "no parameter in the prior explains the data",
   "refutation": {
+    "kind": "output",
+    "sample": 4125,
     "line": 4127,
     "time": 41.25,
     "output": "phi_m",
@@ -283,8 +307,7 @@ mod tests {
       }
     },
     "beta": {
-      "lo": null,
-      "hi": null,
+      "empty": true,
       "unit": "",
       "prior": {
         "lo": 100,
@@ -304,9 +327,16 @@ mod tests {
     "worst_sample_s": 0.0003,
     "box_steps": 12,
     "boxes_max": 50
+  },
+  "interrupted": false,
+  "assumptions": [
+    "the angle is in deg"
+  ],
+  "missing": {
+    "phi_m": 3
   }
 }
 "#;
-        assert_eq!(written, expected);
+        assert_eq!(summary.to_json().unwrap(), expected);
     }
 }

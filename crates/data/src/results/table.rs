@@ -1,6 +1,6 @@
 //! CSV tables of a run, one row per sample, written as the run goes on.
 
-use super::folder::{ResultFile, ResultFolder};
+use super::folder::{CompleteFile, ResultFile, ResultFolder};
 use crate::outward;
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -33,7 +33,7 @@ pub enum Cell<'a> {
     Text(&'a str),
 }
 
-/// Writes one CSV table; the file appears when [`TableWriter::finish`] is called.
+/// Writes one CSV table; it is complete when [`TableWriter::finish`] is called.
 ///
 /// *Guarantee*: a printed lower (upper) bound is not above (below) the bound it stands for.
 ///
@@ -189,10 +189,10 @@ impl TableWriter {
         self.write_line()
     }
 
-    /// Puts the complete table under its name.
+    /// Ends the table.
     ///
     /// *Errors*: `E0501`, `E0502`; nothing of the table is left then.
-    pub fn finish(self) -> Result<(), Diagnostic> {
+    pub fn finish(self) -> Result<CompleteFile, Diagnostic> {
         self.file.finish()
     }
 
@@ -243,7 +243,7 @@ mod tests {
         }
         let wrong = table.row(&time, &[Cell::Count(1), Cell::Text(""), Cell::Count(3)]);
         assert_eq!(wrong.unwrap_err().code, "E0503");
-        table.finish().unwrap();
+        table.finish().unwrap().put_in_place().unwrap();
         let expected = "t,phi.lo,phi.hi,modes,boxes\n\
             0.1,0.333333333333,0.333333333334,\"a,b\",3\n\
             0.1,0.0999999999999,0.100000000001,a,3\n\

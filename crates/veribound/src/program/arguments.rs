@@ -56,10 +56,12 @@ pub struct Observe {
     /// Model file (TOML)
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
-    /// Record (CSV with a header)
+    /// Record (CSV with a header); an output or signal that is empty or NaN is a missing value, counted
+    /// in the results and otherwise passed over
     #[arg(value_name = "RECORD")]
     pub record: PathBuf,
-    /// Folder for the results; it is made where it does not exist
+    /// Folder for the results; it is made where it does not exist, and results of an earlier run in it
+    /// are replaced when all new ones are complete
     #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
 
@@ -87,7 +89,8 @@ pub struct Reading {
     /// Column of a variable of the model; may be given several times
     #[arg(long, value_name = "VARIABLE=COLUMN")]
     pub column: Vec<ColumnFlag>,
-    /// First time to use, in seconds on the record's clock
+    /// First time to use, in seconds on the record's clock; the start intervals of the model file are
+    /// then taken to hold at the first sample from it on
     #[arg(long, value_name = "SECONDS", value_parser = decimal, allow_hyphen_values = true)]
     pub from: Option<Decimal>,
     /// Last time to use, in seconds on the record's clock
@@ -190,7 +193,7 @@ pub struct Showing {
     /// Print summary.json to stdout instead of the table
     #[arg(long)]
     pub json: bool,
-    /// Print nothing but problems
+    /// Print nothing but problems and warnings
     #[arg(short, long)]
     pub quiet: bool,
 }

@@ -1,8 +1,7 @@
 //! The files of an observation, written as the run goes on.
 
 use super::arguments::Format;
-use serde::Serialize;
-use veribound_data::{Cell, Column, ResultFolder, Summary, TableWriter};
+use veribound_data::{Cell, Column, CompleteFile, ResultFolder, RunInfo, TableWriter};
 use veribound_estimate::{Cell as Box, Estimate};
 use veribound_flow::ModeSet;
 use veribound_interval::{Decimal, Interval};
@@ -18,18 +17,6 @@ pub struct Files<'m> {
     states: TableWriter,
     params: TableWriter,
     history: History,
-}
-
-/// `summary.json`: the summary of the data crate, and what concerns the run alone.
-#[derive(Serialize)]
-pub struct RunSummary {
-    /// Verdict, bounds and work.
-    #[serde(flatten)]
-    pub summary: Summary,
-    /// True when the user ended the run before the end of the record.
-    pub interrupted: bool,
-    /// What was assumed beside the model file, in sentences.
-    pub assumptions: Vec<String>,
 }
 
 impl<'m> Files<'m> {
@@ -100,8 +87,25 @@ impl<'m> Files<'m> {
         self.history.refute_at(time.to_interval().mid());
     }
 
-    /// Writes the boxes that are left after the last sample.
-    pub fn boxes(&self, time: &Decimal, boxes: &[Box]) -> Result<(), Diagnostic> {
+    /// Writes what is left to write, and gives all files their names together.
+    ///
+    /// `boxes` are those that are left after the last sample, at `time`.
+    pub fn finish(
+        self,
+        (time, boxes): (&Decimal, &[Box]),
+        run_info: &RunInfo,
+        summary: &str,
+        (formats, overlay): (&[Format], Option<&History>),
+    ) -> Result<(), Diagnostic> {
+        let mut files = vec![self.boxes(time, boxes)?, run_info.write(&self.folder)?];
+        files.extend(self.figures(formats, overlay)?);
+        files.push(self.folder.write("summary.json", summary.as_bytes())?);
+        files.push(self.states.finish()?);
+        files.push(self.params.finish()?);
+        self.folder.publish(files)
+    }
+
+    fn boxes(&self, time: &Decimal, boxes: &[Box]) -> Result<CompleteFile, Diagnostic> {
         let columns = Column::of_boxes(self.model);
         let mut table = TableWriter::create(&self.folder, "boxes.csv", columns)?;
         for (number, cell) in boxes.iter().enumerate() {
@@ -114,52 +118,32 @@ impl<'m> Files<'m> {
         table.finish()
     }
 
-    /// Draws the figures, puts the tables and `summary.json` under their names, and gives the text
-    /// of the latter.
-    pub fn finish(
-        self,
+    fn figures(
+        &self,
         formats: &[Format],
         overlay: Option<&History>,
-        summary: &RunSummary,
-    ) -> Result<String, Diagnostic> {
-        let (svg, png) = (
-            formats.contains(&Format::Svg),
-            formats.contains(&Format::Png),
-        );
-        if (svg || png) && !formats.contains(&Format::None) {
-            let figures = match overlay {
-                Some(other) => self.history.render_compared(other),
-                None => self.history.render_all(),
-            };
-            for figure in figures {
-                let name = format!("fig/{}", figure.name);
-                if svg {
-                    self.folder
-                        .write(&format!("{name}.svg"), figure.svg.as_bytes())?;
-                }
-                if png {
-                    let pixels =
-                        veribound_report::png(&figure.svg).map_err(|error| undrawable(&error))?;
-                    self.folder.write(&format!("{name}.png"), &pixels)?;
-                }
+    ) -> Result<Vec<CompleteFile>, Diagnostic> {
+        if formats.iter().all(|format| *format == Format::None) {
+            return Ok(Vec::new());
+        }
+        let figures = match overlay {
+            Some(other) => self.history.render_compared(other),
+            None => self.history.render_all(),
+        };
+        let mut files = Vec::new();
+        for figure in figures {
+            let name = format!("fig/{}", figure.name);
+            if formats.contains(&Format::Svg) {
+                let svg = figure.svg.as_bytes();
+                files.push(self.folder.write(&format!("{name}.svg"), svg)?);
+            }
+            if formats.contains(&Format::Png) {
+                let pixels =
+                    veribound_report::png(&figure.svg).map_err(|error| undrawable(&error))?;
+                files.push(self.folder.write(&format!("{name}.png"), &pixels)?);
             }
         }
-        self.states.finish()?;
-        self.params.finish()?;
-        let mut text = serde_json::to_string_pretty(summary).map_err(|error| {
-            Diagnostic::new(
-                "E0503",
-                format!("the summary cannot be written as JSON: {error}"),
-            )
-        })?;
-        text.push('\n');
-        self.folder.write("summary.json", text.as_bytes())?;
-        Ok(text)
-    }
-
-    /// Where the files go.
-    pub fn folder(&self) -> &ResultFolder {
-        &self.folder
+        Ok(files)
     }
 
     fn mode_names(&self, modes: ModeSet) -> String {

@@ -1,5 +1,6 @@
 //! Values of flags: one type for each, with its grammar.
 
+use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 use veribound_interval::Decimal;
@@ -154,6 +155,16 @@ pub enum ZoomFlag {
     Window(Decimal, Decimal),
 }
 
+impl fmt::Display for ZoomFlag {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ZoomFlag::Auto => f.write_str("auto"),
+            ZoomFlag::Off => f.write_str("off"),
+            ZoomFlag::Window(from, to) => write!(f, "{from}..{to}"),
+        }
+    }
+}
+
 impl FromStr for ZoomFlag {
     type Err = String;
 
@@ -267,6 +278,7 @@ mod tests {
     #[test]
     fn a_window_runs_forward() {
         let window = ZoomFlag::Window(number("32.6"), number("32.9"));
+        assert_eq!(window.to_string(), "32.6..32.9");
         assert_eq!("32.6..32.9".parse::<ZoomFlag>(), Ok(window));
         assert_eq!("auto".parse::<ZoomFlag>(), Ok(ZoomFlag::Auto));
         assert!("2..1".parse::<ZoomFlag>().is_err());

@@ -1,4 +1,5 @@
-//! Ctrl-C: the first one ends the run after the sample at hand, the second one at once.
+//! Ctrl-C: the first one ends the run after the sample at hand, the second one at once. Before the
+//! first sample nobody listens, and it ends the program at once.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,17 +1,20 @@
 //! `veribound observe`: from a model file and a record to proved bounds.
 
-use super::arguments::{Format, Observe};
+use super::arguments::{Format, Observe, Showing};
 use super::ending::Ending;
-use super::files::{Files, RunSummary, figure_meta};
+use super::files::{Files, figure_meta};
 use super::flags::ZoomFlag;
 use super::interrupt::Interrupt;
-use super::{Outcome, assumptions, message, overlay, run_info, table, verdict};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::IsTerminal;
-use std::path::PathBuf;
+use super::{
+    Outcome, assumptions, message, overlay, overwriting, progress, run_info, table, verdict,
+};
+use indicatif::ProgressBar;
+use std::fs;
+use std::path::Path;
 use std::time::Instant;
 use veribound_data::{
-    ParameterSummary, Record, RecordOptions, ResultFolder, Start, StateSummary, Summary, Work,
+    FileInfo, ParameterSummary, Record, RecordOptions, ResultFolder, Start, StateSummary, Summary,
+    Work,
 };
 use veribound_estimate::{Estimate, Observer, Refutation, Undecided, Verdict};
 use veribound_interval::{Decimal, Interval};
@@ -39,11 +42,19 @@ pub struct Findings {
 
 /// Observes. Everything that can be wrong with the input is found before anything is written.
 pub fn run(arguments: &Observe) -> Outcome {
-    let interrupt = Interrupt::listen();
     // [1/4] Input: model, flags, record, earlier runs.
+    refuse_flags(arguments)?;
     let mut model = Model::from_file(&arguments.model)?;
     let mut said = assumptions::weaken(&mut model, &arguments.assumptions)?;
     let record = open_record(arguments, &model)?;
+    said.extend(record.warnings().iter().cloned());
+    if let Some(from) = &arguments.reading.from {
+        said.push(format!(
+            "the start intervals of the model file hold at t = {} s, the first sample from {from} s on \
+             (--from)",
+            record.first()
+        ));
+    }
     let mut observer = Observer::new(&model, arguments.method.options());
     let start = match &arguments.assumptions.start_from {
         Some(folder) => Some(start_from(folder, &model, &mut observer, &mut said)?),
@@ -61,20 +72,19 @@ pub fn run(arguments: &Observe) -> Outcome {
     let other = other
         .map(|folder| overlay::read(folder, &model, &meta))
         .transpose()?;
-    let run_info = run_info::of(arguments, &record, start.as_ref(), &said)?;
-    if !arguments.showing.quiet {
-        said.iter()
-            .for_each(|change| message::remark(&format!("note: {change}")));
-        record
-            .warnings()
-            .iter()
-            .for_each(|text| message::remark(&format!("warning: {text}")));
-    }
+    let (other, shown) = other.unzip();
+    let files_read = run_info::Earlier {
+        start: start.unwrap_or_default(),
+        overlay: shown,
+    };
+    let run_info = run_info::of(arguments, (&model, &record), files_read, &said);
+    remarks(&record, &said, arguments.showing.quiet);
 
     // [2/4] The record, sample by sample.
+    let interrupt = Interrupt::listen();
     let folder = ResultFolder::create(&arguments.output)?;
     let mut files = Files::create(&model, folder, meta)?;
-    let bar = progress(&record, arguments.showing.quiet);
+    let bar = progress::of_samples(record.len(), arguments.showing.quiet);
     let found = follow(
         &record,
         &model,
@@ -95,22 +105,17 @@ pub fn run(arguments: &Observe) -> Outcome {
     } else {
         observer.cells()
     };
-    files.boxes(end, cells)?;
-    run_info.write(files.folder())?;
-    let summary = RunSummary {
-        summary: summary(&model, &found),
-        interrupted: found.ending == Ending::Interrupted,
-        assumptions: said,
-    };
+    let json = summary(&model, &record, &found, said).to_json()?;
     let formats = &arguments.showing.figures;
-    let json = files.finish(formats, other.as_ref(), &summary)?;
+    let drawn = (formats.as_slice(), other.as_ref());
+    files.finish((end, cells), &run_info, &json, drawn)?;
 
     // [4/4] What the user is told.
     verdict::explain(&model, &record, &found, !arguments.showing.quiet);
     if arguments.showing.json {
         message::say(&json);
     } else if !arguments.showing.quiet {
-        let figures = !formats.contains(&Format::None) && !formats.is_empty();
+        let figures = !formats.contains(&Format::None);
         message::say(&table::of(
             &model,
             &record,
@@ -132,16 +137,66 @@ fn open_record(arguments: &Observe, model: &Model) -> Result<Record, Diagnostics
         from: reading.from.clone(),
         to: reading.to.clone(),
     };
-    Record::open(&arguments.record, model, options)
+    let bytes = fs::metadata(&arguments.record).map_or(0, |file| file.len());
+    let bar = progress::of_parts(bytes, "of the record checked", arguments.showing.quiet);
+    let mut watch = |bytes| bar.set_position(bytes);
+    let record = Record::open_watched(&arguments.record, model, options, &mut watch);
+    bar.finish_and_clear();
+    record
 }
 
-/// Puts the boxes of an earlier run into the observer; gives the `summary.json` they come from.
+/// Refuses what no run could do, and results in the place of what the run reads.
+fn refuse_flags(arguments: &Observe) -> Result<(), Diagnostic> {
+    let Showing {
+        figures, overlay, ..
+    } = &arguments.showing;
+    if figures.contains(&Format::None) && figures.iter().any(|format| *format != Format::None) {
+        let message = "`--figures` asks for no figures and for figures";
+        return Err(Diagnostic::new("E0612", message)
+            .help("write `--figures none`, or the formats alone, as in `--figures svg,png`"));
+    }
+    let files = [
+        ("the model file", arguments.model.as_path()),
+        ("the record", arguments.record.as_path()),
+    ];
+    let start = arguments.assumptions.start_from.as_deref();
+    let start = start.map(|folder| ("from which this one starts", folder));
+    let overlay = overlay.as_deref();
+    let overlay = overlay.map(|folder| ("which the figures are to show", folder));
+    let earlier: Vec<_> = start.into_iter().chain(overlay).collect();
+    overwriting::refuse_results(&arguments.output, &files, &earlier)
+}
+
+/// Says what a reader of the results should know. Numbers in other units are a likely mistake and
+/// never kept back.
+fn remarks(record: &Record, said: &[String], quiet: bool) {
+    for change in said {
+        if record.warnings().contains(change) {
+            message::remark(&format!("warning: {change}"));
+        } else if !quiet {
+            message::remark(&format!("note: {change}"));
+        }
+    }
+    if quiet {
+        return;
+    }
+    for (name, count) in record.missing() {
+        let values = if *count == 1 { "value" } else { "values" };
+        message::remark(&format!("note: {name}: {count} {values} missing"));
+    }
+    let ignored = record.ignored_columns();
+    if !ignored.is_empty() {
+        message::remark(&format!("note: columns not used: {}", ignored.join(", ")));
+    }
+}
+
+/// Puts the boxes of an earlier run into the observer; gives the files they come from.
 fn start_from(
-    folder: &PathBuf,
+    folder: &Path,
     model: &Model,
     observer: &mut Observer,
     said: &mut Vec<String>,
-) -> Result<PathBuf, Diagnostic> {
+) -> Result<Vec<FileInfo>, Diagnostic> {
     let start = Start::read(folder, model)?;
     let boxes = if start.boxes.is_empty() {
         vec![start.params]
@@ -174,28 +229,13 @@ fn start_from(
         change.push_str(&format!("; not taken for {names}, which can be reset"));
     }
     said.push(change);
-    Ok(start.summary)
+    Ok(start.files)
 }
 
 /// The average time between two samples.
 fn sample_time_ms(record: &Record) -> Option<f64> {
     let whole = (record.last() - record.first()).to_interval().mid();
     (record.len() > 1).then(|| whole / (record.len() - 1) as f64 * 1e3)
-}
-
-/// A bar on stderr; none where nobody watches.
-fn progress(record: &Record, quiet: bool) -> ProgressBar {
-    let target = if quiet || !std::io::stderr().is_terminal() {
-        ProgressDrawTarget::hidden()
-    } else {
-        ProgressDrawTarget::stderr_with_hz(5)
-    };
-    let bar = ProgressBar::with_draw_target(Some(record.len() as u64), target);
-    let form = "  {msg} [{bar:24}] {pos} of {len} samples, {eta} left";
-    if let Ok(style) = ProgressStyle::with_template(form) {
-        bar.set_style(style.progress_chars("##-"));
-    }
-    bar
 }
 
 /// Steps the observer through the record.
@@ -268,7 +308,7 @@ fn changed(record: &Record, misuse: &veribound_estimate::Misuse) -> Diagnostic {
     .help("run again when nothing writes to the record")
 }
 
-fn summary(model: &Model, found: &Findings) -> Summary {
+fn summary(model: &Model, record: &Record, found: &Findings, assumptions: Vec<String>) -> Summary {
     let refuted = found.refutation.is_some();
     let last = found.last.as_ref().map(|(_, estimate)| estimate);
     let known = |bounds: Option<&Interval>, before: Interval| {
@@ -298,5 +338,8 @@ fn summary(model: &Model, found: &Findings) -> Summary {
         parameters: params.collect(),
         states: states.collect(),
         work: found.work,
+        interrupted: found.ending == Ending::Interrupted,
+        assumptions,
+        missing: record.missing().to_vec(),
     }
 }

@@ -1,6 +1,7 @@
 //! Parameters of an earlier run, to be shown behind those of this one.
 
 use std::path::Path;
+use veribound_data::{FileInfo, TableReader};
 use veribound_interval::Decimal;
 use veribound_model::Model;
 use veribound_model::diagnostic::Diagnostic;
@@ -10,29 +11,29 @@ use veribound_report::{FigureMeta, History, SampleRow};
 /// them.
 ///
 /// *Errors*: `E0605` when there is no such table, or it does not have the model's parameters.
-pub fn read(folder: &Path, model: &Model, meta: &FigureMeta) -> Result<History, Diagnostic> {
+pub fn read(
+    folder: &Path,
+    model: &Model,
+    meta: &FigureMeta,
+) -> Result<(History, FileInfo), Diagnostic> {
     let path = folder.join("params.csv");
     let refuse = |what: String| {
-        Diagnostic::new("E0605", format!("cannot show `{}`: {what}", path.display()))
-            .help("name the folder that an earlier run of this model wrote with `-o DIR`")
+        no_table(Diagnostic::new(
+            "E0605",
+            format!("cannot show `{}`: {what}", path.display()),
+        ))
     };
-    let mut table = csv::Reader::from_path(&path).map_err(|error| refuse(error.to_string()))?;
-    let header = table
-        .headers()
-        .map_err(|error| refuse(error.to_string()))?
-        .clone();
-    let column = |name: &str| header.iter().position(|known| known == name);
+    let mut table = TableReader::open(&path).map_err(no_table)?;
     let mut places = Vec::new();
     for param in &model.params {
-        let lo = column(&format!("{}.lo", param.name));
-        let hi = column(&format!("{}.hi", param.name));
+        let column = |end| table.column(&format!("{}.{end}", param.name));
         let missing = || {
             refuse(format!(
                 "it has no bounds of the parameter `{}`",
                 param.name
             ))
         };
-        places.push(lo.zip(hi).ok_or_else(missing)?);
+        places.push(column("lo").zip(column("hi")).ok_or_else(missing)?);
     }
     let label = folder
         .file_name()
@@ -43,22 +44,18 @@ pub fn read(folder: &Path, model: &Model, meta: &FigureMeta) -> Result<History, 
         time_unit: meta.time_unit.clone(),
         ..FigureMeta::default()
     });
-    for row in table.records() {
-        let row = row.map_err(|error| refuse(error.to_string()))?;
-        let number = |at: usize| {
-            let text = row.get(at).unwrap_or_default();
-            match text {
-                "-inf" => Some(f64::NEG_INFINITY),
-                "inf" => Some(f64::INFINITY),
-                _ => Decimal::parse(text)
-                    .ok()
-                    .map(|decimal| decimal.to_interval().mid()),
-            }
+    while let Some(row) = table.next_row().map_err(no_table)? {
+        let number = |at: usize| match row.field(at).as_ref() {
+            "-inf" => Some(f64::NEG_INFINITY),
+            "inf" => Some(f64::INFINITY),
+            text => Decimal::parse(text)
+                .ok()
+                .map(|decimal| decimal.to_interval().mid()),
         };
         let bounds = places.iter().map(|(lo, hi)| number(*lo).zip(number(*hi)));
         let bounds: Option<Vec<(f64, f64)>> = bounds.collect();
         let Some((t, params)) = number(0).zip(bounds) else {
-            return Err(refuse("a row of it is not complete".to_owned()));
+            return Err(refuse(format!("line {} is not complete", row.line())));
         };
         history
             .push(&SampleRow {
@@ -68,5 +65,15 @@ pub fn read(folder: &Path, model: &Model, meta: &FigureMeta) -> Result<History, 
             })
             .map_err(|error| refuse(error.to_string()))?;
     }
-    Ok(history)
+    let file = FileInfo {
+        path: path.display().to_string(),
+        sha256: table.sha256(),
+    };
+    Ok((history, file))
+}
+
+/// A table that cannot be shown.
+fn no_table(mut problem: Diagnostic) -> Diagnostic {
+    problem.code = "E0605";
+    problem.help("name the folder that an earlier run of this model wrote with `-o DIR`")
 }

@@ -1,10 +1,10 @@
 //! The times of a simulated record, and the inputs over time.
 
 use super::arguments::Simulate;
-use std::fs::File;
-use std::io::{BufRead, BufReader};
-use std::path::Path;
-use veribound_data::{Record, RecordOptions};
+use super::progress;
+use std::fs;
+use std::path::{Path, PathBuf};
+use veribound_data::{Record, RecordOptions, TableReader};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::Model;
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
@@ -21,21 +21,36 @@ pub struct Stretch {
     pub to_next: Option<Decimal>,
 }
 
-/// Times and inputs of a record to be.
+/// Times and inputs of a record to be, in the order of time; memory does not grow with their number.
 pub struct Profile {
-    /// Times at which inputs take new values, with these.
-    points: Vec<(Decimal, Vec<Decimal>)>,
+    points: Points,
+    /// The point after those that hold at `next`.
+    following: Option<Point>,
+    held: Vec<Decimal>,
+    /// Time of the next sample.
+    next: Option<Decimal>,
+    from: Decimal,
     until: Decimal,
     /// Time between samples; none: the times of the points.
     every: Option<Decimal>,
 }
 
+/// A time at which the inputs take new values, and these.
+struct Point {
+    time: Decimal,
+    values: Vec<Decimal>,
+}
+
 impl Profile {
-    /// Reads the profile that the flags name.
-    pub fn read(arguments: &Simulate, model: &Model) -> Result<Profile, Diagnostics> {
-        let points = match &arguments.input {
-            Some(path) => read(path, model)?,
-            None if model.inputs.is_empty() => vec![(Decimal::zero(), Vec::new())],
+    /// Opens the profile that the flags name.
+    pub fn open(arguments: &Simulate, model: &Model) -> Result<Profile, Diagnostics> {
+        let (mut points, last, count) = match &arguments.input {
+            Some(path) => {
+                let record = check(path, model)?;
+                let points = Points::of_table(path, &record)?;
+                (points, record.last().clone(), record.len())
+            }
+            None if model.inputs.is_empty() => (Points::Start, Decimal::zero(), 1),
             None => {
                 let name = model.inputs.first().map_or("", |input| input.name.as_str());
                 return Err(Diagnostic::new("E0607", format!("the model has the input `{name}`"))
@@ -56,120 +71,146 @@ impl Profile {
                     .into(),
             );
         }
-        if arguments.every.is_none() && points.len() < 2 {
+        if arguments.every.is_none() && count < 2 {
             return Err(
                 Diagnostic::new("E0607", "the times of the samples are not given")
                     .help("say how long and how often: `--until 10 --every 0.01`")
                     .into(),
             );
         }
-        let last = points.last().map(|(time, _)| time.clone());
-        let until = arguments
-            .until
-            .clone()
-            .or(last)
-            .unwrap_or_else(Decimal::zero);
+        let first = points.next()?;
+        let from = first
+            .as_ref()
+            .map_or_else(Decimal::zero, |first| first.time.clone());
         Ok(Profile {
             points,
-            until,
+            following: first,
+            held: Vec::new(),
+            next: Some(from.clone()),
+            from,
+            until: arguments.until.clone().unwrap_or(last),
             every: arguments.every.clone(),
         })
     }
 
-    /// The samples in the order of time.
+    /// The next sample; `None` after the last.
     ///
     /// An error: inputs would change between two samples, which no record could say.
-    pub fn stretches(&self) -> impl Iterator<Item = Result<Stretch, Diagnostic>> {
-        let mut next = self.points.first().map(|(time, _)| time.clone());
-        let mut held: &[Decimal] = &[];
-        let mut points = self.points.iter().peekable();
-        std::iter::from_fn(move || {
-            let time = next.take().filter(|time| *time <= self.until)?;
-            while let Some((at, values)) = points.next_if(|(at, _)| *at <= time) {
-                if *at < time {
-                    return Some(Err(between(at)));
-                }
-                held = values;
+    pub fn next(&mut self) -> Result<Option<Stretch>, Diagnostic> {
+        let Some(time) = self.next.take().filter(|time| *time <= self.until) else {
+            return Ok(None);
+        };
+        while let Some(point) = self.following.take_if(|point| point.time <= time) {
+            if point.time < time {
+                return Err(between(&point.time));
             }
-            let following = match &self.every {
-                Some(every) => Some(&time + every),
-                None => points.peek().map(|(at, _)| at.clone()),
-            };
-            let following = following.filter(|following| *following <= self.until);
-            let to_next = following.as_ref().map(|following| following - &time);
-            next = following;
-            Some(Ok(Stretch {
-                time,
-                texts: held.to_vec(),
-                inputs: held.iter().map(Decimal::to_interval).collect(),
-                to_next,
-            }))
-        })
+            self.held = point.values;
+            self.following = self.points.next()?;
+        }
+        let following = match &self.every {
+            Some(every) => Some(&time + every),
+            None => self.following.as_ref().map(|point| point.time.clone()),
+        };
+        self.next = following.filter(|following| *following <= self.until);
+        Ok(Some(Stretch {
+            to_next: self.next.as_ref().map(|next| next - &time),
+            time,
+            texts: self.held.clone(),
+            inputs: self.held.iter().map(Decimal::to_interval).collect(),
+        }))
+    }
+
+    /// How far `time` is on the way from the first to the last sample, in parts of a bar.
+    pub fn part_at(&self, time: &Decimal) -> u64 {
+        let whole = (&self.until - &self.from).to_interval().mid();
+        let done = (time - &self.from).to_interval().mid();
+        (done / whole * progress::PARTS as f64) as u64
     }
 }
 
-/// Checks the profile as a record of inputs, then takes the decimals as they are written: the record
-/// to be repeats them.
-fn read(path: &Path, model: &Model) -> Result<Vec<(Decimal, Vec<Decimal>)>, Diagnostics> {
+/// Where inputs come from.
+enum Points {
+    /// A model without inputs: it starts at zero.
+    Start,
+    /// That was it.
+    End,
+    /// A profile; the time, then the inputs, with their columns.
+    Table {
+        table: Box<TableReader>,
+        places: Vec<usize>,
+        path: PathBuf,
+    },
+}
+
+impl Points {
+    fn of_table(path: &Path, record: &Record) -> Result<Points, Diagnostic> {
+        let table = TableReader::open(path).map_err(|problem| changed(path, &problem.message))?;
+        let mut places = Vec::new();
+        for (variable, column) in record.columns() {
+            let message =
+                format!("`{variable}` must be one column of plain numbers, not `{column}`");
+            let no_column = || Diagnostic::new("E0608", message).help("write one value per line");
+            places.push(table.column(column).ok_or_else(no_column)?);
+        }
+        Ok(Points::Table {
+            table: Box::new(table),
+            places,
+            path: path.to_path_buf(),
+        })
+    }
+
+    /// The decimals of the next point as they are written: the record to be repeats them.
+    fn next(&mut self) -> Result<Option<Point>, Diagnostic> {
+        let (table, places, path) = match self {
+            Points::Start => {
+                *self = Points::End;
+                return Ok(Some(Point {
+                    time: Decimal::zero(),
+                    values: Vec::new(),
+                }));
+            }
+            Points::End => return Ok(None),
+            Points::Table {
+                table,
+                places,
+                path,
+            } => (table, places, path),
+        };
+        let row = table.next_row();
+        let Some(row) = row.map_err(|problem| changed(path, &problem.message))? else {
+            return Ok(None);
+        };
+        let decimals = places.iter().map(|at| Decimal::parse(&row.field(*at)).ok());
+        let incomplete = || changed(path, &format!("line {} is not complete", row.line()));
+        let mut values: Vec<Decimal> = decimals.collect::<Option<_>>().ok_or_else(incomplete)?;
+        if values.is_empty() {
+            return Err(incomplete());
+        }
+        let time = values.remove(0);
+        Ok(Some(Point { time, values }))
+    }
+}
+
+/// Checks the whole profile, as a record of inputs.
+fn check(path: &Path, model: &Model) -> Result<Record, Diagnostics> {
     let mut inputs = model.clone();
     inputs.outputs.clear();
     inputs.signals.clear();
-    let record = Record::open(path, &inputs, RecordOptions::default())?;
-    let refuse = |what: String| {
-        Diagnostic::new(
-            "E0417",
-            format!("`{}` cannot be read again: {what}", path.display()),
-        )
-        .help("run again when nothing writes to the profile")
-    };
-    let separator = separator(path).map_err(|error| refuse(error.to_string()))?;
-    let mut table = csv::ReaderBuilder::new()
-        .delimiter(separator)
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(|error| refuse(error.to_string()))?;
-    let header = table
-        .headers()
-        .map_err(|error| refuse(error.to_string()))?
-        .clone();
-    let mut places = Vec::new();
-    for (variable, column) in record.columns() {
-        let place = header.iter().position(|name| name == column);
-        let message = format!("`{variable}` must be one column of plain numbers, not `{column}`");
-        let no_column = || Diagnostic::new("E0608", message).help("write one value per line");
-        places.push(place.ok_or_else(no_column)?);
-    }
-    let mut points = Vec::new();
-    for row in table.records() {
-        let row = row.map_err(|error| refuse(error.to_string()))?;
-        let decimals = places
-            .iter()
-            .map(|place| Decimal::parse(row.get(*place)?).ok());
-        let mut decimals: Vec<Decimal> = decimals
-            .collect::<Option<_>>()
-            .ok_or_else(|| refuse(format!("line {} is not complete", points.len() + 2)))?;
-        if !decimals.is_empty() {
-            points.push((decimals.remove(0), decimals));
-        }
-    }
-    Ok(points)
+    let bytes = fs::metadata(path).map_or(0, |file| file.len());
+    let bar = progress::of_parts(bytes, "of the profile checked", false);
+    let mut watch = |bytes| bar.set_position(bytes);
+    let record = Record::open_watched(path, &inputs, RecordOptions::default(), &mut watch);
+    bar.finish_and_clear();
+    record
 }
 
-/// The separator of the header line, by the rule of the record reader: tab, then semicolon, then
-/// comma.
-fn separator(path: &Path) -> std::io::Result<u8> {
-    for line in BufReader::new(File::open(path)?).lines() {
-        let line = line?;
-        if line.trim().is_empty() || line.starts_with('#') {
-            continue;
-        }
-        let found = [b'\t', b';']
-            .into_iter()
-            .find(|mark| line.as_bytes().contains(mark));
-        return Ok(found.unwrap_or(b','));
-    }
-    Ok(b',')
+/// The profile was checked before; what cannot be read now means that it was changed.
+fn changed(path: &Path, what: &str) -> Diagnostic {
+    Diagnostic::new(
+        "E0417",
+        format!("`{}` was changed while it was read: {what}", path.display()),
+    )
+    .help("run again when nothing writes to the profile")
 }
 
 fn between(time: &Decimal) -> Diagnostic {

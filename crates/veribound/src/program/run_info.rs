@@ -2,31 +2,42 @@
 
 use super::arguments::Observe;
 use clap::ValueEnum;
-use std::path::PathBuf;
 use toml::{Table, Value};
 use veribound_data::{FileInfo, Platform, Program, Record, RecordInfo, RunInfo};
-use veribound_model::diagnostic::Diagnostic;
+use veribound_model::Model;
+
+/// The files of earlier runs that a run has read.
+pub struct Earlier {
+    /// Those it starts from.
+    pub start: Vec<FileInfo>,
+    /// The one its figures show.
+    pub overlay: Option<FileInfo>,
+}
 
 /// What repeats the run that `arguments` ask for.
 pub fn of(
     arguments: &Observe,
-    record: &Record,
-    start: Option<&PathBuf>,
+    (model, record): (&Model, &Record),
+    earlier: Earlier,
     assumptions: &[String],
-) -> Result<RunInfo, Diagnostic> {
-    Ok(RunInfo {
+) -> RunInfo {
+    // The program may lie anywhere; its name is the same everywhere.
+    let program = std::iter::once("veribound".to_owned());
+    let words = std::env::args_os().skip(1);
+    RunInfo {
         program: Program {
             version: env!("CARGO_PKG_VERSION").to_owned(),
-            command: std::env::args_os()
-                .map(|word| word.to_string_lossy().into_owned())
+            command: program
+                .chain(words.map(|word| word.to_string_lossy().into_owned()))
                 .collect(),
         },
         platform: Platform::current(),
-        model: FileInfo::of(&arguments.model)?,
+        model: FileInfo::of_text(&arguments.model, &model.source.text),
         record: Some(RecordInfo::of(record)),
-        start: start.map(FileInfo::of).transpose()?,
+        start: earlier.start,
+        overlay: earlier.overlay,
         options: options(arguments, assumptions),
-    })
+    }
 }
 
 /// Every option with its value, given or default.
@@ -106,6 +117,15 @@ fn options(arguments: &Observe, assumptions: &[String]) -> Table {
                 .collect(),
         ),
     );
+    put("zoom", Value::String(showing.zoom.to_string()));
+    for (name, folder) in [
+        ("start_from", &given.start_from),
+        ("overlay", &showing.overlay),
+    ] {
+        if let Some(folder) = folder {
+            put(name, Value::String(folder.display().to_string()));
+        }
+    }
     table
 }
 

@@ -3,15 +3,16 @@
 use super::arguments::Simulate;
 use super::ending::Ending;
 use super::flags::{Assignment, ErrorFlag};
+use super::interrupt::Interrupt;
 use super::message::{flag_problem, list, remark};
 use super::noise::{Noise, Written};
 use super::profile::{Profile, Stretch};
-use super::{Outcome, numbers};
+use super::{Outcome, numbers, overwriting, progress};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 use veribound::{Simulation, Stopped};
-use veribound_data::ResultFolder;
+use veribound_data::{ResultFile, ResultFolder};
 use veribound_interval::{Decimal, Interval, round};
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
 use veribound_model::{ErrorBound, ExprId, Model, Output, Var};
@@ -27,24 +28,38 @@ struct Change {
     value: Decimal,
 }
 
-/// Simulates, and writes the record when all of it is proved.
+/// Simulates, and gives the record its name when all of it is proved.
 pub fn run(arguments: &Simulate) -> Outcome {
+    let mut files = vec![("the model file", arguments.model.as_path())];
+    let profile = arguments.input.as_deref();
+    files.extend(profile.map(|path| ("the profile", path)));
+    overwriting::refuse_record(&arguments.output, &files)?;
     let model = Model::from_file(&arguments.model)?;
     let params = params(&model, &arguments.params)?;
     let start = start(&model, &arguments.start)?;
     let changes = changes(&model, &arguments.change)?;
-    let profile = Profile::read(arguments, &model)?;
-    let mut text = header(arguments, &model);
+    outside_the_prior(&model, &params, &changes);
+    let mut profile = Profile::open(arguments, &model)?;
+    let interrupt = Interrupt::listen();
+    let mut file = create(&arguments.output)?;
     let mut simulation = Simulation::new(&model, &params, &start, arguments.steps);
     let mut noise = Noise::new(arguments.seed, arguments.decimals);
     let mut open = changes.into_iter().peekable();
-    for stretch in profile.stretches() {
+    let bar = progress::of_parts(progress::PARTS, "simulated", false);
+    let mut text = header(arguments, &model);
+    let mut samples = 0;
+    while let Some(stretch) = profile.next()? {
+        if interrupt.is_asked() {
+            bar.finish_and_clear();
+            remark("interrupted: no record is written");
+            return Ok(Ending::Interrupted);
+        }
         let Stretch {
             time,
             texts,
             inputs,
             to_next,
-        } = stretch?;
+        } = stretch;
         while let Some(change) = open.next_if(|change| change.time <= time) {
             simulation.change(change.param, change.value.to_interval());
         }
@@ -53,32 +68,31 @@ pub fn run(arguments: &Simulate) -> Outcome {
             simulation: &simulation,
             inputs: &inputs,
         };
-        // Writing to a String cannot fail.
-        let _ = write!(text, "{time}");
-        for value in &texts {
-            let _ = write!(text, ",{value}");
-        }
-        for output in &model.outputs {
-            let written = now.measure(output, &time, arguments.error.as_ref(), &mut noise)?;
-            let _ = write!(text, ",{written}");
-        }
-        for signal in &model.signals {
-            // Standing still is claimed only where it is proved; a 0 claims nothing.
-            let proved = !signal.proves_zero.is_empty()
-                && signal
-                    .proves_zero
-                    .iter()
-                    .all(|expr| now.value(*expr) == Interval::ZERO);
-            let _ = write!(text, ",{}", u8::from(proved));
-        }
-        text.push('\n');
+        now.write(
+            &mut text,
+            (&time, &texts),
+            arguments.error.as_ref(),
+            &mut noise,
+        )?;
+        file.write_all(text.as_bytes())
+            .map_err(|error| file.refuse(&error))?;
+        text.clear();
+        samples += 1;
+        bar.set_position(profile.part_at(&time));
         if let Some(dt) = to_next {
             simulation
                 .advance(&inputs, dt.to_interval())
                 .map_err(|stopped| too_wide(&time, &stopped))?;
         }
     }
-    write_record(&arguments.output, &text)?;
+    file.write_all(text.as_bytes())
+        .map_err(|error| file.refuse(&error))?;
+    file.finish()?.put_in_place()?;
+    bar.finish_and_clear();
+    remark(&format!(
+        "  {samples} samples in {}",
+        arguments.output.display()
+    ));
     Ok(Ending::Done)
 }
 
@@ -90,6 +104,36 @@ struct Now<'s> {
 }
 
 impl Now<'_> {
+    /// Appends the row of the sample.
+    fn write(
+        &self,
+        text: &mut String,
+        (time, inputs): (&Decimal, &[Decimal]),
+        error: Option<&ErrorFlag>,
+        noise: &mut Noise,
+    ) -> Result<(), Diagnostic> {
+        // Writing to a String cannot fail.
+        let _ = write!(text, "{time}");
+        for value in inputs {
+            let _ = write!(text, ",{value}");
+        }
+        for output in &self.model.outputs {
+            let written = self.measure(output, time, error, noise)?;
+            let _ = write!(text, ",{written}");
+        }
+        for signal in &self.model.signals {
+            // Standing still is claimed only where it is proved; a 0 claims nothing.
+            let proved = !signal.proves_zero.is_empty()
+                && signal
+                    .proves_zero
+                    .iter()
+                    .all(|expr| self.value(*expr) == Interval::ZERO);
+            let _ = write!(text, ",{}", u8::from(proved));
+        }
+        text.push('\n');
+        Ok(())
+    }
+
     fn value(&self, expr: ExprId) -> Interval {
         self.model.graph.eval_interval(expr, &|var| {
             let found = match var {
@@ -334,30 +378,40 @@ fn header(arguments: &Simulate, model: &Model) -> String {
     format!("{line}\n{}\n", columns.join(","))
 }
 
-fn write_record(path: &Path, text: &str) -> Result<(), Diagnostic> {
-    let folder = path
-        .parent()
-        .filter(|folder| !folder.as_os_str().is_empty());
-    let folder = ResultFolder::create(folder.unwrap_or(Path::new(".")))?;
-    let name = path
-        .file_name()
-        .map(|name| name.to_string_lossy().into_owned());
-    let Some(name) = name else {
+/// Starts the record.
+fn create(path: &Path) -> Result<ResultFile, Diagnostic> {
+    let Some(name) = path.file_name() else {
         let message = format!("`{}` is no name of a file", path.display());
         return Err(
             Diagnostic::new("E0608", message).help("name the record, as in `-o record.csv`")
         );
     };
-    let mut file = folder.file(&name)?;
-    file.write_all(text.as_bytes())
-        .map_err(|error| file.refuse(&error))?;
-    file.finish()?;
-    remark(&format!(
-        "  {} lines in {}",
-        text.lines().count(),
-        path.display()
-    ));
-    Ok(())
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty());
+    let folder = ResultFolder::create(folder.unwrap_or(Path::new(".")))?;
+    folder.file(&name.to_string_lossy())
+}
+
+/// Says which values no observation with the priors of the model file can find.
+fn outside_the_prior(model: &Model, params: &[Interval], changes: &[Change]) {
+    let given = params.iter().copied().enumerate();
+    let changed = changes
+        .iter()
+        .map(|change| (change.param, change.value.to_interval()));
+    for (at, value) in given.chain(changed) {
+        let Some(param) = model.params.get(at) else {
+            continue;
+        };
+        if !value.is_subset_of(param.bounds) {
+            remark(&format!(
+                "note: {} = {} lies outside its prior {}",
+                param.name,
+                numbers::show(value),
+                numbers::show_prior(param.bounds)
+            ));
+        }
+    }
 }
 
 fn too_wide(time: &Decimal, stopped: &Stopped) -> Diagnostic {

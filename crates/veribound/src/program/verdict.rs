@@ -7,7 +7,7 @@ use super::observe::Findings;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::sync::Arc;
-use veribound_data::{Record, Verdict};
+use veribound_data::{Kind, Record, Verdict};
 use veribound_estimate::{Contradiction, Refutation, Undecided};
 use veribound_flow::{AprioriFailure, StepFailure};
 use veribound_interval::{Interval, text};
@@ -35,8 +35,14 @@ const NOTHING_EXPLAINS: &str = "no parameter in the prior explains the data";
 /// The refutation for `summary.json`.
 pub fn entry(model: &Model, refutation: &Refutation) -> veribound_data::Refutation {
     let told = told(model, refutation);
+    let kind = match refutation.contradiction {
+        Contradiction::Output { .. } => Kind::Output,
+        Contradiction::Signal { .. } => Kind::Signal,
+        Contradiction::Motion { .. } => Kind::Motion,
+    };
     veribound_data::Refutation::new(
-        (refutation.line, &refutation.time),
+        kind,
+        (refutation.sample, refutation.line, &refutation.time),
         (told.name, told.unit),
         (told.enclosure, told.allowed),
     )
