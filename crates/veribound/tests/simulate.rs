@@ -58,6 +58,33 @@ fn errors_stay_inside_the_bound_that_was_asked_for() {
     assert_eq!(run(&["--seed", "2"]), run(&["--seed", "2"]));
 }
 
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_no_record() {
+    let place = Place::new();
+    let model = place.file("m.toml", DECAY);
+    let flags = [
+        "simulate", &model, "--params", "k=0", "--until", "10000", "--every", "0.01", "-o", "r.csv",
+    ];
+    let child = place
+        .command(&flags)
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    while place.files("").len() < 2 {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let sent = std::process::Command::new("kill")
+        .args(["-INT", &child.id().to_string()])
+        .status()
+        .unwrap();
+    assert!(sent.success());
+    let ran = support::Ran::of(child.wait_with_output().unwrap()).ended(130);
+    assert_eq!(ran.err, "interrupted: no record is written\n");
+    assert_eq!(place.files(""), ["m.toml"]);
+}
+
 #[test]
 fn a_value_outside_its_prior_is_said() {
     let place = Place::new();

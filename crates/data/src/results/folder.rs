@@ -214,12 +214,14 @@ fn writer(name: &str) -> Option<u32> {
     middle.rsplit_once('.')?.1.parse().ok()
 }
 
-/// Removes files that a run which is gone left half written. Where the system tells that the process
-/// still runs, the file stays: it may be a run at the same time.
+/// Removes files that a run which is gone left half written. Where the system tells that another process
+/// of that number runs, the file stays: it may be a run at the same time.
 fn remove_abandoned(folder: &Path) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let process = writer(&entry.file_name().to_string_lossy());
-        let is_gone = |process: u32| !Path::new("/proc").join(process.to_string()).exists();
+        let is_gone = |process: u32| {
+            process == std::process::id() || !Path::new("/proc").join(process.to_string()).exists()
+        };
         if process.is_some_and(is_gone) {
             let _ = fs::remove_file(entry.path());
         }

@@ -237,10 +237,10 @@ pub struct Simulate {
     /// Decimal places of the written outputs
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = count_up_to(0, 15))]
     pub decimals: usize,
-    /// Internal steps per sample
+    /// Internal steps per sample: more make the enclosure narrower and take longer
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = count_up_to(1, 100_000))]
     pub steps: usize,
-    /// Record to write (CSV)
+    /// Record to write (CSV); it appears when all of it is proved
     #[arg(short, long, value_name = "RECORD")]
     pub output: PathBuf,
 }
