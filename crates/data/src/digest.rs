@@ -36,7 +36,8 @@ impl<R: Read> Read for Digesting<R> {
     }
 }
 
-/// SHA-256 of all bytes of a file, in hexadecimal digits.
+/// SHA-256 of all bytes of a file, in hexadecimal digits: what `run.toml` has of every file that was
+/// read.
 ///
 /// *Errors*: `E0401` when the file cannot be read.
 pub fn sha256_of_file(path: impl AsRef<Path>) -> Result<String, Diagnostic> {

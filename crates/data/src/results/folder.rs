@@ -106,9 +106,11 @@ impl ResultFolder {
     /// *Errors*: `E0501`; the folder holds no `summary.json` then.
     pub fn publish(&self, results: Vec<CompleteFile>) -> Result<(), Diagnostic> {
         let mark = self.path.join(MARK);
+        // Without these two the folder is the user's own, and so are its figures.
+        let has_results = mark.exists() || self.path.join("run.toml").exists();
         remove(&mark)?;
         for name in ResultFolder::names(&self.path) {
-            if results.iter().all(|file| file.place.path != name) {
+            if has_results && results.iter().all(|file| file.place.path != name) {
                 remove(&name)?;
             }
         }
@@ -289,6 +291,10 @@ mod tests {
             let files = names.iter().map(|name| folder.write(name, b"x"));
             files.collect::<Result<Vec<_>, _>>().unwrap()
         };
+        fs::create_dir(place.path().join("fig")).unwrap();
+        fs::write(place.path().join("fig/modes.svg"), b"the user's own").unwrap();
+        folder.publish(write(&["params.csv"])).unwrap();
+        assert_eq!(files(&place.path().join("fig")), ["modes.svg"]);
         folder
             .publish(write(&[
                 "summary.json",
