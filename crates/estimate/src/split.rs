@@ -5,45 +5,35 @@
               box holds one interval for each"
 )]
 
+mod structure;
+#[cfg(test)]
+mod tests;
+
 use crate::cell::{Cell, cut};
 use crate::options::{ObserverOptions, ParameterRule};
+use structure::{ParameterGuard, Slope, SwitchingState, Term};
 use veribound_interval::Interval;
-use veribound_model::{Binary, ExprId, Graph, Guard, Layout, Model, Node, Tape, Unary, Var};
+use veribound_model::{Layout, Model};
 
-/// A comparison in a guard that depends on parameters.
-#[derive(Debug, Clone)]
-struct ParameterGuard {
-    difference: Tape,
-    params: Vec<usize>,
-}
-
-/// One summand of a velocity, with the parameters in it that no guard compares.
-#[derive(Debug, Clone)]
-struct Term {
-    value: Tape,
-    params: Vec<usize>,
-}
-
-/// A state whose guards compare it with a constant.
-#[derive(Debug, Clone)]
-struct SwitchingState {
-    state: usize,
-    levels: Vec<Interval>,
-}
+/// How far the middle one of three parts reaches beyond the level on both sides, as a share of the
+/// width. Any share above zero does what the three parts are for: the outer ones do not touch the
+/// level, so that one mode alone is possible on each. With a twentieth the middle part, on which
+/// all modes stay possible, keeps about a tenth of the width.
+const AROUND_LEVEL: f64 = 0.05;
 
 /// What is known of a model about splitting.
 #[derive(Debug, Clone)]
 pub(crate) struct Splitter {
     layout: Layout,
     guards: Vec<ParameterGuard>,
+    /// States that guards compare with constants; without any, the states that no output measures.
     switching: Vec<SwitchingState>,
     /// States that an output measures directly; the widths of the others are compared with theirs.
     measured: Vec<usize>,
-    /// `slopes[mode]`: derivatives of the same velocities, each with its parameter.
-    slopes: Vec<Vec<(usize, Tape)>>,
     /// `terms[mode]` of the velocities of the switching states (of all states when none switches).
     terms: Vec<Vec<Term>>,
-    registers: Vec<Interval>,
+    /// `slopes[mode]`: derivatives of the same velocities with respect to the parameters.
+    slopes: Vec<Vec<Slope>>,
     prior_width: Vec<f64>,
 }
 
@@ -55,48 +45,8 @@ impl Splitter {
             inputs: model.inputs.len(),
         };
         let mut graph = model.graph.clone();
-        let mut atoms = Vec::new();
-        for mode in &model.modes {
-            collect_atoms(&mode.guard, &mut atoms);
-        }
-        atoms.sort();
-        atoms.dedup();
-        let mut guards = Vec::new();
-        let mut switching: Vec<SwitchingState> = Vec::new();
-        for &expr in &atoms {
-            let variables = graph.variables(expr);
-            let params = params_of(&variables);
-            if !params.is_empty() {
-                let difference = Tape::compile(&graph, layout, &[expr]);
-                guards.push(ParameterGuard { difference, params });
-            } else if let Some(level) = graph.level(expr) {
-                match switching
-                    .iter_mut()
-                    .find(|known| known.state == level.state)
-                {
-                    Some(known) => known.levels.push(level.value),
-                    None => switching.push(SwitchingState {
-                        state: level.state,
-                        levels: vec![level.value],
-                    }),
-                }
-            }
-        }
-        let guarded: Vec<usize> = guards
-            .iter()
-            .flat_map(|guard| guard.params.clone())
-            .collect();
-        let measured: Vec<usize> = model
-            .outputs
-            .iter()
-            .filter_map(|output| match graph.node(output.expr) {
-                Node::Var(Var::State(state)) => Some(*state),
-                _ => match graph.variables(output.expr)[..] {
-                    [Var::State(state)] => Some(state),
-                    _ => None,
-                },
-            })
-            .collect();
+        let (guards, mut switching) = structure::comparisons(model, &mut graph, layout);
+        let measured = structure::measured_states(model);
         if switching.is_empty() {
             let hidden = (0..layout.states).filter(|state| !measured.contains(state));
             switching = hidden
@@ -111,51 +61,13 @@ impl Splitter {
         } else {
             switching.iter().map(|known| known.state).collect()
         };
-        let mut slopes = Vec::new();
-        for mode in &model.modes {
-            let mut list = Vec::new();
-            for &state in &moved {
-                for param in params_of(&graph.variables(mode.der[state])) {
-                    let slope = graph.derivative(mode.der[state], Var::Param(param));
-                    list.push((param, Tape::compile(&graph, layout, &[slope])));
-                }
-            }
-            slopes.push(list);
-        }
-        let terms = model
-            .modes
-            .iter()
-            .map(|mode| {
-                let mut summands = Vec::new();
-                for &state in &moved {
-                    additive_terms(&graph, mode.der[state], &mut summands);
-                }
-                summands
-                    .into_iter()
-                    .filter_map(|expr| {
-                        let mut params = params_of(&graph.variables(expr));
-                        let free: Vec<usize> = params
-                            .iter()
-                            .copied()
-                            .filter(|p| !guarded.contains(p))
-                            .collect();
-                        if !free.is_empty() {
-                            params = free;
-                        }
-                        let value = Tape::compile(&graph, layout, &[expr]);
-                        (!params.is_empty()).then_some(Term { value, params })
-                    })
-                    .collect()
-            })
-            .collect();
         Splitter {
             layout,
+            terms: structure::terms(model, layout, &moved, &guards),
+            slopes: structure::slopes(model, &mut graph, layout, &moved),
             guards,
             switching,
             measured,
-            slopes,
-            terms,
-            registers: Vec::new(),
             prior_width: model
                 .params
                 .iter()
@@ -222,10 +134,8 @@ impl Splitter {
     /// value that decides the guard for one part, else in the middle.
     fn ambiguous_guard(&mut self, q: &[Interval], epsilon: f64) -> Option<(usize, f64)> {
         let mut middle = None;
-        for guard in &self.guards {
-            self.registers = guard.difference.registers();
-            guard.difference.eval(q, &mut self.registers);
-            let difference = guard.difference.output(0, &self.registers);
+        for guard in &mut self.guards {
+            let difference = guard.difference.range(q);
             if !(difference.lo() < 0.0 && difference.hi() > 0.0) {
                 continue;
             }
@@ -241,10 +151,7 @@ impl Splitter {
                         continue;
                     };
                     let mut part = q.to_vec();
-                    if !guard
-                        .difference
-                        .contract(&mut part, half, &mut self.registers)
-                    {
+                    if !guard.difference.contract(&mut part, half) {
                         continue;
                     }
                     // Beyond the part's upper end the comparison has one outcome only.
@@ -281,7 +188,7 @@ impl Splitter {
         }
         let x = cell.z[known.state];
         if options.trisect && cell.modes.len() > 1 {
-            let reach = 0.05 * width;
+            let reach = AROUND_LEVEL * width;
             let inside = known
                 .levels
                 .iter()
@@ -293,56 +200,17 @@ impl Splitter {
         Some((known.state, vec![x.mid()]))
     }
 
-    /// The parameter whose width widens a velocity most, in any mode possible on the box.
-    fn most_influential(&mut self, cell: &Cell, q: &[Interval]) -> Option<usize> {
-        let mut best: Option<(f64, usize)> = None;
-        for mode in cell.modes.iter() {
-            for (param, slope) in self.slopes.get(mode).into_iter().flatten() {
-                self.registers = slope.registers();
-                slope.eval(q, &mut self.registers);
-                let width = q[self.layout.states + param].width();
-                let influence = slope.output(0, &self.registers).mag() * width;
-                if influence > 0.0 && best.is_none_or(|(known, _)| influence > known) {
-                    best = Some((influence, *param));
-                }
-            }
-        }
-        best.map(|(_, param)| param)
-    }
-
+    /// The parameter to split where neither a guard nor a state asks for a split.
     fn parameter(&mut self, cell: &Cell, q: &[Interval], rule: ParameterRule) -> Option<usize> {
-        let mut terms: Vec<(usize, Interval)> = Vec::new();
-        for mode in cell.modes.iter() {
-            for term in self.terms.get(mode).into_iter().flatten() {
-                self.registers = term.value.registers();
-                term.value.eval(q, &mut self.registers);
-                let value = term.value.output(0, &self.registers);
-                let share = |param: &usize| {
-                    let width = q[self.layout.states + param].width();
-                    if width > 0.0 {
-                        width / self.prior_width[*param]
-                    } else {
-                        0.0
-                    }
-                };
-                let widest = term
-                    .params
-                    .iter()
-                    .copied()
-                    .filter(|param| share(param) > 0.0)
-                    .max_by(|a, b| share(a).total_cmp(&share(b)));
-                if let Some(param) = widest {
-                    terms.push((param, value));
-                }
-            }
-        }
-        match rule {
+        let chosen = match rule {
             ParameterRule::WidestInfluence => self.most_influential(cell, q),
-            ParameterRule::WidestTerm => terms
+            ParameterRule::WidestTerm => self
+                .terms_on(cell, q)
                 .iter()
                 .max_by(|a, b| a.1.width().total_cmp(&b.1.width()).then(b.0.cmp(&a.0)))
                 .map(|(param, _)| *param),
             ParameterRule::OverlappingTerms => {
+                let terms = self.terms_on(cell, q);
                 let (last, rest) = terms.split_last()?;
                 let overlap = rest
                     .iter()
@@ -353,22 +221,54 @@ impl Splitter {
                     terms.first().unwrap_or(last).0
                 })
             }
-        }
-        .or_else(|| {
-            // No velocity depends on a free parameter here: the widest share of its prior.
-            let share = |param: usize| {
-                let width = q[self.layout.states + param].width();
-                if width > 0.0 {
-                    width / self.prior_width[param]
-                } else {
-                    0.0
-                }
-            };
-            (0..self.layout.params)
-                .filter(|param| share(*param) > 0.0)
-                .max_by(|a, b| share(*a).total_cmp(&share(*b)))
-        })
+        };
+        // Where no velocity depends on a free parameter: the widest share of its prior.
+        let all = 0..self.layout.params;
+        chosen.or_else(|| widest(all, &q[self.layout.states..], &self.prior_width))
     }
+
+    /// The parameter whose width widens a velocity most, in any mode possible on the box.
+    fn most_influential(&mut self, cell: &Cell, q: &[Interval]) -> Option<usize> {
+        let mut best: Option<(f64, usize)> = None;
+        for mode in cell.modes.iter() {
+            for slope in self.slopes.get_mut(mode).into_iter().flatten() {
+                let width = q[self.layout.states + slope.param].width();
+                let influence = slope.value.range(q).mag() * width;
+                if influence > 0.0 && best.is_none_or(|(known, _)| influence > known) {
+                    best = Some((influence, slope.param));
+                }
+            }
+        }
+        best.map(|(_, param)| param)
+    }
+
+    /// The terms of all modes possible on the box, each as its widest parameter and its range.
+    fn terms_on(&mut self, cell: &Cell, q: &[Interval]) -> Vec<(usize, Interval)> {
+        let known = &q[self.layout.states..];
+        let mut found = Vec::new();
+        for mode in cell.modes.iter() {
+            for term in self.terms.get_mut(mode).into_iter().flatten() {
+                if let Some(param) = widest(term.params.iter().copied(), known, &self.prior_width) {
+                    found.push((param, term.value.range(q)));
+                }
+            }
+        }
+        found
+    }
+}
+
+/// The parameter with the largest share left of its prior; none where all are points.
+fn widest(
+    params: impl Iterator<Item = usize>,
+    known: &[Interval],
+    prior_width: &[f64],
+) -> Option<usize> {
+    params
+        .map(|param| (known[param].width(), param))
+        .filter(|(width, _)| *width > 0.0)
+        .map(|(width, param)| (width / prior_width[param], param))
+        .max_by(|a, b| a.0.total_cmp(&b.0))
+        .map(|(_, param)| param)
 }
 
 fn split_at(cell: &Cell, coordinate: usize, points: &[f64]) -> Option<Vec<Cell>> {
@@ -385,40 +285,4 @@ fn split_at(cell: &Cell, coordinate: usize, points: &[f64]) -> Option<Vec<Cell>>
     }
     parts.push(rest);
     (parts.len() > 1).then_some(parts)
-}
-
-fn collect_atoms(guard: &Guard, atoms: &mut Vec<ExprId>) {
-    match guard {
-        Guard::Always => {}
-        Guard::Atom { expr, .. } => atoms.push(*expr),
-        Guard::All(parts) | Guard::Any(parts) => {
-            for part in parts {
-                collect_atoms(part, atoms);
-            }
-        }
-    }
-}
-
-fn params_of(variables: &[Var]) -> Vec<usize> {
-    variables
-        .iter()
-        .filter_map(|var| {
-            if let Var::Param(param) = var {
-                Some(*param)
-            } else {
-                None
-            }
-        })
-        .collect()
-}
-
-fn additive_terms(graph: &Graph, e: ExprId, terms: &mut Vec<ExprId>) {
-    match *graph.node(e) {
-        Node::Binary(Binary::Add | Binary::Sub, a, b) => {
-            additive_terms(graph, a, terms);
-            additive_terms(graph, b, terms);
-        }
-        Node::Unary(Unary::Neg, a) => additive_terms(graph, a, terms),
-        _ => terms.push(e),
-    }
 }
