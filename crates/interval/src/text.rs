@@ -6,7 +6,7 @@ use num_bigint::BigUint;
 use num_integer::Integer;
 use num_traits::{One, Zero};
 
-use crate::Interval;
+use crate::{Decimal, Interval};
 
 /// A decimal text with at most `digits` significant digits that is not above `x`.
 ///
@@ -26,6 +26,36 @@ pub fn lower(x: f64, digits: usize) -> String {
 pub fn upper(x: f64, digits: usize) -> String {
     directed(x, digits, true)
 }
+
+/// Both ends for people: rounded outward, with the fewest digits (3 to 15) that widen the interval by
+/// at most 2 %.
+///
+/// *Guarantee*: the real numbers spelled enclose the interval. Where 15 digits widen it by more (ends
+/// that agree in all of them), these are given. Ends are spelled as by [`lower`] and [`upper`].
+///
+/// ```
+/// use veribound_interval::{Interval, text};
+/// let bounds = Interval::new(199.99121, 200.01509).unwrap();
+/// assert_eq!(text::readable(bounds), ("199.9912".to_string(), "200.0151".to_string()));
+/// ```
+pub fn readable(bounds: Interval) -> (String, String) {
+    let allowed = bounds.width() * 1.02;
+    let ends = |digits| (lower(bounds.lo(), digits), upper(bounds.hi(), digits));
+    let spelled = |text: &str| Some(Decimal::parse(text).ok()?.to_interval());
+    // Infinite ends are no decimals: no number of digits makes their interval narrower.
+    let fits = |(lo, hi): &(String, String)| {
+        spelled(lo)
+            .zip(spelled(hi))
+            .is_none_or(|(lo, hi)| lo.hull(hi).width() <= allowed)
+    };
+    (3..MOST_DIGITS)
+        .map(ends)
+        .find(fits)
+        .unwrap_or_else(|| ends(MOST_DIGITS))
+}
+
+/// Digits with which every bound can be printed well enough for people.
+const MOST_DIGITS: usize = 15;
 
 fn directed(x: f64, digits: usize, up: bool) -> String {
     if x.is_nan() {
@@ -164,5 +194,48 @@ impl fmt::Display for Interval {
             lower(self.lo(), digits),
             upper(self.hi(), digits)
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn show(lo: f64, hi: f64) -> String {
+        let (lo, hi) = readable(Interval::new(lo, hi).unwrap());
+        format!("{lo} {hi}")
+    }
+
+    #[test]
+    fn few_digits_where_they_tell_enough() {
+        assert_eq!(show(-2.652_81, -1.537_49), "-2.66 -1.53");
+        assert_eq!(show(199.991_21, 200.015_09), "199.9912 200.0151");
+        assert_eq!(show(0.149_575, 0.150_276), "0.14957 0.15028");
+        assert_eq!(show(0.0, 0.0), "0 0");
+        assert_eq!(show(0.0, 0.25), "0 0.25");
+        assert_eq!(show(f64::NEG_INFINITY, 1.0), "-inf 1");
+    }
+
+    #[test]
+    fn readable_ends_enclose_and_hardly_widen() {
+        let mut state = 1_u64;
+        for case in 0..20_000_u32 {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            let mid = (state >> 11) as f64 / (1_u64 << 50) as f64 - 4.0;
+            // Down to widths of a few floats, where 15 digits are too few.
+            let width = 10_f64.powi(-((case % 17) as i32));
+            let x = Interval::new(mid, mid + width).unwrap();
+            let (lo, hi) = readable(x);
+            let spelled = |text: &str| Decimal::parse(text).unwrap().to_interval();
+            let (below, above) = (spelled(&lo), spelled(&hi));
+            assert!(below.lo() <= x.lo() && x.hi() <= above.hi(), "{lo} {hi}");
+            let shown = below.hull(above);
+            assert!(
+                case % 17 > 11 || shown.width() <= 1.02 * x.width(),
+                "{lo} {hi}"
+            );
+        }
     }
 }
