@@ -28,8 +28,9 @@ impl History {
     /// # Guarantee
     /// At every sample, a drawn band holds the bounds that were given for it: coordinates are
     /// rounded outward. Between samples, bands of outputs and states are joined by straight lines,
-    /// which prove nothing; those of parameters hold until the next sample. Bounds beyond the axis
-    /// are drawn out to the panel's edge. The same history gives the same bytes.
+    /// which prove nothing; those of parameters hold until the next sample. What is drawn of modes
+    /// holds between samples, too. Bounds beyond the axis are drawn out to the panel's edge. The
+    /// same history gives the same bytes.
     pub fn render_all(&self) -> Vec<Figure> {
         self.render(None)
     }

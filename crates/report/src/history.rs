@@ -5,9 +5,9 @@ use crate::meta::FigureMeta;
 use crate::track::{Band, Cell, Track};
 use crate::zoom::Spotlight;
 
-/// Mark of a mode that can be active at some sample of the cell.
+/// Mark of a mode that can be active at some sample of the cell, or since the sample before it.
 pub(crate) const POSSIBLE: u8 = 1;
-/// Mark of a mode that is not, at every sample of the cell, the only possible one.
+/// Mark of a mode that is not, for every sample of the cell, the only possible one.
 pub(crate) const NOT_ALONE: u8 = 2;
 /// Mark of a parameter that was reset at some sample of the cell.
 pub(crate) const RESET: u8 = 1;
@@ -28,9 +28,10 @@ pub struct SampleRow<'a> {
     pub params: &'a [(f64, f64)],
     /// Whether each parameter was reset at this sample; an empty slice stands for no reset.
     pub resets: &'a [bool],
-    /// Whether each mode can be active; false means proved impossible.
+    /// Whether each mode can be active at this sample or at some time since the sample before; false
+    /// means proved impossible there.
     pub modes: &'a [bool],
-    /// Number of boxes after the sample.
+    /// Number of boxes after the sample, when those that it refutes are gone and any merging is done.
     pub boxes: u64,
     /// Time spent on the sample, in milliseconds.
     pub milliseconds: f64,
@@ -50,7 +51,8 @@ pub(crate) struct Work {
 /// # Guarantee
 /// Each series is kept in at most `FigureMeta::columns` cells of time. Where samples share a cell,
 /// the cell has the hull of their bounds, so that no sample's bounds stick out of the drawn band;
-/// a mode is shown as impossible only where it is impossible at all samples of the cell.
+/// a mode is shown as impossible only where it is impossible at all samples of the cell, which speak
+/// for the time since the cell before.
 ///
 /// # Cost
 /// `push` is O(number of series) on average; memory is O(columns x number of series).

@@ -1,6 +1,6 @@
 //! Figures of parameters and states: a panel with a band for each.
 
-use veribound_interval::text;
+use veribound_interval::{Interval, text};
 
 use super::{Frame, Row, mark_empty, mark_refuted, refuted_entry, right_edge, stack, why_empty};
 use crate::history::{History, RESET};
@@ -116,7 +116,10 @@ pub(super) fn draw_states(history: &History) -> String {
             }
         })
         .collect();
-    let mut entries = vec![Entry::area(theme::band(theme::BLUE), "proved bounds")];
+    let mut entries = vec![Entry::area(
+        theme::band(theme::BLUE),
+        "proved at the samples",
+    )];
     entries.extend(refuted_entry(history));
     let top = 4.0 + legend::draw(&mut canvas, &entries, (2.0, right), 4.0);
     let stack = stack(
@@ -245,21 +248,17 @@ fn panel_height(count: usize) -> f64 {
     }
 }
 
-/// The bounds after the last sample, rounded outward, with so many digits that the rounding is small
-/// against their distance.
+/// The bounds after the last sample, with the digits of the tables for people.
 fn final_bounds(history: &History, series: usize) -> String {
-    let Some(Band { lo, hi }) = history.last_band(series) else {
+    let last = history.last_band(series);
+    let Some(bounds) = last.and_then(|band| Interval::new(band.lo, band.hi)) else {
         return String::new();
     };
-    let size = lo.abs().max(hi.abs());
-    let digits = match (size / (hi - lo)).log10().ceil() {
-        digits if digits.is_finite() => (digits.clamp(0.0, 14.0) as usize) + 3,
-        _ => 6,
+    let (lo, hi) = text::readable(bounds);
+    let bounds = if lo == hi {
+        format!("final {lo}")
+    } else {
+        format!("final [{lo}, {hi}]")
     };
-    let bounds = format!(
-        "final [{}, {}]",
-        text::lower(lo, digits),
-        text::upper(hi, digits)
-    );
     bounds.replace('-', "\u{2212}")
 }

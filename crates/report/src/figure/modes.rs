@@ -1,4 +1,7 @@
 //! The mode strip: one row per mode, possible and impossible over time.
+//!
+//! A sample speaks for itself and for the time since the sample before, so bars and gaps hold
+//! everywhere, not only at the samples.
 
 use super::{BUCKET, left_margin, mark_empty, mark_refuted, refuted_entry, right_edge, why_empty};
 use crate::axis::{Axis, Room};
@@ -118,8 +121,8 @@ enum Rounding {
     Inward,
 }
 
-/// The stretches of time, in the picture, over which a claim holds in every cell. A cell lasts
-/// until the next one begins.
+/// The stretches of time, in the picture, over which a claim holds in every cell. A cell speaks for
+/// the time from the end of the one before to its own end.
 fn spans(
     history: &History,
     panel: &Panel,
@@ -130,16 +133,17 @@ fn spans(
     let cells = history.cells();
     let mut spans: Vec<(Px, Px)> = Vec::new();
     let mut begun: Option<f64> = None;
+    let mut start = cells.first().map_or(0.0, |first| first.t0);
     for (k, cell) in cells.iter().enumerate() {
         if claim(cell.mark(mark)) {
-            begun.get_or_insert(cell.t0);
+            begun.get_or_insert(start);
         }
-        let end = cells.get(k + 1).map_or(cell.t1, |next| next.t0);
+        start = cell.t1;
         let goes_on = cells.get(k + 1).is_some_and(|next| claim(next.mark(mark)));
         if let Some(from) = begun
             && !goes_on
         {
-            let (from, to) = (panel.px(from), panel.px(end));
+            let (from, to) = (panel.px(from), panel.px(cell.t1));
             let span = match rounding {
                 Rounding::Outward => (Px::below(from), Px::above(to)),
                 Rounding::Inward => (Px::above(from), Px::below(to)),
@@ -163,4 +167,72 @@ fn bars(spans: &[(Px, Px)], (top, bottom): (f64, f64)) -> String {
         );
     }
     data
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::history::SampleRow;
+    use crate::meta::FigureMeta;
+
+    /// Seven samples, 0 to 6, in as many cells: the first mode is possible at 2 and 3, alone at 3;
+    /// the second everywhere but at 3.
+    fn run() -> History {
+        let mut history = History::new(FigureMeta {
+            modes: vec!["slip".to_owned(), "stick".to_owned()],
+            ..FigureMeta::default()
+        });
+        for k in 0..7 {
+            history
+                .push(&SampleRow {
+                    t: f64::from(k),
+                    modes: &[k == 2 || k == 3, k != 3],
+                    ..SampleRow::default()
+                })
+                .unwrap();
+        }
+        history
+    }
+
+    fn panel() -> Panel {
+        let room = Room {
+            length: 600.0,
+            spacing: 60.0,
+            font: 11.0,
+        };
+        Panel {
+            area: Rect {
+                x: 0.0,
+                y: 0.0,
+                w: 600.0,
+                h: 50.0,
+            },
+            time: Axis::linear(0.0, 6.0, room),
+            value: Axis::linear(0.0, 1.0, room),
+            bucket: BUCKET,
+        }
+    }
+
+    /// Times of the spans, to a hundredth of the time between samples.
+    fn times(claim: impl Fn(u8) -> bool, rounding: Rounding, mark: usize) -> Vec<(f64, f64)> {
+        let panel = panel();
+        let scale = panel.px(6.0) - panel.px(5.0);
+        let time = |x: Px| ((x.0 as f64 / 100.0 - panel.px(0.0)) / scale * 100.0).round() / 100.0;
+        spans(&run(), &panel, claim, rounding, mark)
+            .into_iter()
+            .map(|(from, to)| (time(from), time(to)))
+            .collect()
+    }
+
+    #[test]
+    fn a_sample_speaks_for_the_time_since_the_one_before() {
+        let can = |m: u8| m & POSSIBLE != 0;
+        let alone = |m: u8| m & POSSIBLE != 0 && m & NOT_ALONE == 0;
+        assert_eq!(times(can, Rounding::Outward, 0), [(1.0, 3.0)]);
+        assert_eq!(times(alone, Rounding::Inward, 0), [(2.0, 3.0)]);
+        // What is left white of the second mode is the step in which it is impossible.
+        assert_eq!(times(can, Rounding::Outward, 1), [(0.0, 2.0), (3.0, 6.0)]);
+        let second_alone = times(alone, Rounding::Inward, 1);
+        assert_eq!(second_alone, [(0.0, 1.0), (3.0, 6.0)]);
+    }
 }

@@ -35,7 +35,7 @@ pub(super) fn draw(history: &History) -> String {
     let count = history.meta.outputs.len();
     let mut entries = vec![
         Entry::area(theme::measured(), "measured"),
-        Entry::area(theme::band(theme::BLUE), "proved"),
+        Entry::area(theme::band(theme::BLUE), "proved at the samples"),
     ];
     entries.extend(refuted_entry(history));
     let top = 4.0 + legend::draw(&mut canvas, &entries, (2.0, right), 4.0);

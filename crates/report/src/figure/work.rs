@@ -29,7 +29,7 @@ pub(super) fn draw(history: &History) -> String {
     };
     let rows = vec![
         Row {
-            name: "boxes".to_owned(),
+            name: "boxes after each sample".to_owned(),
             remark: boxes_remark(history),
             value: from_zero(history.work.most_boxes as f64),
             height: HEIGHT,
