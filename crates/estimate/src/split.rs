@@ -211,14 +211,15 @@ impl Splitter {
                 .map(|(param, _)| *param),
             ParameterRule::OverlappingTerms => {
                 let terms = self.terms_on(cell, q);
-                let (last, rest) = terms.split_last()?;
-                let overlap = rest
-                    .iter()
-                    .any(|term| term.0 != last.0 && term.1.intersects(last.1));
-                Some(if overlap {
-                    last.0
-                } else {
-                    terms.first().unwrap_or(last).0
+                terms.split_last().map(|(last, rest)| {
+                    let overlap = rest
+                        .iter()
+                        .any(|term| term.0 != last.0 && term.1.intersects(last.1));
+                    if overlap {
+                        last.0
+                    } else {
+                        rest.first().unwrap_or(last).0
+                    }
                 })
             }
         };

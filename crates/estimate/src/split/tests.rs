@@ -303,7 +303,11 @@ fn at_rest_the_widest_share_of_a_prior_is_cut() {
     let (model, _) = rig();
     let mut resting = forward_cell(&model);
     resting.modes = cell(&model, &["stick"], [x(0.0, 1.0); 5]).modes;
-    for rule in [ParameterRule::WidestTerm, ParameterRule::WidestInfluence] {
+    for rule in [
+        ParameterRule::WidestTerm,
+        ParameterRule::OverlappingTerms,
+        ParameterRule::WidestInfluence,
+    ] {
         let rule = parameters_only(rule);
         // Shares: alpha 1/5.95, beta 20/399, T 0.02/0.3.
         assert_eq!(cut_of(&resting, Interval::ZERO, &rule).0, ALPHA);
