@@ -25,6 +25,8 @@ pub struct Start {
     /// Boxes of the parameters at the end of the run, in the order of the model, from `boxes.csv`;
     /// empty when the run wrote none.
     pub boxes: Vec<Vec<Interval>>,
+    /// What the run assumed beside its model file; its results hold only with it.
+    pub assumptions: Vec<String>,
     /// The files that were read.
     pub files: Vec<FileInfo>,
 }
@@ -39,6 +41,8 @@ struct WrittenVerdict {
 #[derive(Deserialize)]
 struct Written {
     parameters: BTreeMap<String, WrittenBounds>,
+    #[serde(default)]
+    assumptions: Vec<String>,
 }
 
 #[derive(Deserialize)]
@@ -55,7 +59,7 @@ impl Start {
     /// inconsistent.
     pub fn read(path: impl AsRef<Path>, model: &Model) -> Result<Start, Diagnostic> {
         let folder = path.as_ref();
-        let (params, summary) = read_summary(folder, model)?;
+        let (params, assumptions, summary) = read_summary(folder, model)?;
         let mut files = vec![summary];
         let boxes = folder.join("boxes.csv");
         let boxes = if boxes.is_file() {
@@ -68,12 +72,15 @@ impl Start {
         Ok(Start {
             params,
             boxes,
+            assumptions,
             files,
         })
     }
 }
 
-fn read_summary(folder: &Path, model: &Model) -> Result<(Vec<Interval>, FileInfo), Diagnostic> {
+type ReadSummary = (Vec<Interval>, Vec<String>, FileInfo);
+
+fn read_summary(folder: &Path, model: &Model) -> Result<ReadSummary, Diagnostic> {
     let path = folder.join("summary.json");
     let name = path.display().to_string();
     let text = fs::read_to_string(&path).map_err(|error| {
@@ -105,7 +112,7 @@ fn read_summary(folder: &Path, model: &Model) -> Result<(Vec<Interval>, FileInfo
         let ends = (bounds.lo.decimal(), bounds.hi.decimal());
         params.push(enclose(ends).ok_or_else(|| reversed(&name, &param.name))?);
     }
-    Ok((params, FileInfo::of_text(&path, &text)))
+    Ok((params, written.assumptions, FileInfo::of_text(&path, &text)))
 }
 
 fn read_boxes(path: &Path, model: &Model) -> Result<(Vec<Vec<Interval>>, FileInfo), Diagnostic> {

@@ -1,30 +1,7 @@
 //! Bounds as text for people: rounded outward, and no more digits than tell something.
 
 use veribound_data::spelled;
-use veribound_interval::{Decimal, Interval, round, text};
-
-/// Digits with which every bound can be printed well enough.
-const MOST_DIGITS: usize = 15;
-
-/// Both ends, rounded outward with the fewest digits that widen the interval by at most 2 %.
-pub fn readable(bounds: Interval) -> (String, String) {
-    let allowed = bounds.width() * 1.02;
-    let ends = |digits| {
-        (
-            text::lower(bounds.lo(), digits),
-            text::upper(bounds.hi(), digits),
-        )
-    };
-    let fits = |(lo, hi): &(String, String)| {
-        enclosed(lo)
-            .zip(enclosed(hi))
-            .is_none_or(|(lo, hi)| hi.hull(lo).width() <= allowed)
-    };
-    (3..MOST_DIGITS)
-        .map(ends)
-        .find(fits)
-        .unwrap_or_else(|| ends(MOST_DIGITS))
-}
+use veribound_interval::{Interval, round, text::readable};
 
 /// The interval as text: `[lo, hi]`, rounded outward.
 pub fn show(bounds: Interval) -> String {
@@ -94,15 +71,16 @@ pub fn shrink(bounds: Interval, prior: Interval) -> Option<String> {
     Some(format!("{shown:.*} %", decimals as usize))
 }
 
-fn enclosed(text: &str) -> Option<Interval> {
-    Decimal::parse(text)
-        .ok()
-        .map(|decimal| decimal.to_interval())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use veribound_interval::Decimal;
+
+    fn enclosed(text: &str) -> Option<Interval> {
+        Decimal::parse(text)
+            .ok()
+            .map(|decimal| decimal.to_interval())
+    }
 
     fn between(lo: &str, hi: &str) -> Interval {
         enclosed(lo).unwrap().hull(enclosed(hi).unwrap())

@@ -19,7 +19,7 @@ use veribound_data::{
 use veribound_estimate::{Estimate, Observer, Refutation, Undecided, Verdict};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
-use veribound_model::{Model, Sample};
+use veribound_model::{Coverage, Model, Sample};
 use veribound_report::Zoom;
 
 /// What a run came to.
@@ -53,6 +53,11 @@ pub fn run(arguments: &Observe) -> Outcome {
             "the start intervals of the model file hold at t = {} s, the first sample from {from} s on \
              (--from)",
             record.first()
+        ));
+    }
+    if let Coverage::Unproved(place) = &model.coverage {
+        said.push(format!(
+            "the guards of the modes leave no gap, which is not proved: {place}"
         ));
     }
     let mut observer = Observer::new(&model, arguments.method.options());
@@ -229,6 +234,8 @@ fn start_from(
         change.push_str(&format!("; not taken for {names}, which can be reset"));
     }
     said.push(change);
+    let earlier = start.assumptions.into_iter();
+    said.extend(earlier.map(|assumption| format!("that run assumed: {assumption}")));
     Ok(start.files)
 }
 
