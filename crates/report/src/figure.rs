@@ -15,7 +15,7 @@ use crate::theme;
 /// A finished figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Name of the figure, and of its files without their ending: `angle`, `params`, `states`,
+    /// Name of the figure, and of its files without their ending: `outputs`, `params`, `states`,
     /// `modes`, `work`.
     pub name: &'static str,
     /// The picture as SVG text; `png` makes a PNG of it.
@@ -44,7 +44,7 @@ impl History {
     fn render(&self, other: Option<&History>) -> Vec<Figure> {
         let meta = &self.meta;
         let wanted = [
-            (!meta.outputs.is_empty()).then(|| ("angle", outputs::draw(self))),
+            (!meta.outputs.is_empty()).then(|| ("outputs", outputs::draw(self))),
             (!meta.params.is_empty()).then(|| ("params", bands::draw_params(self, other))),
             (!meta.states.is_empty()).then(|| ("states", bands::draw_states(self))),
             (!meta.modes.is_empty()).then(|| ("modes", modes::draw(self))),

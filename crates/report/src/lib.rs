@@ -25,7 +25,7 @@
 //!     })?;
 //! }
 //! let figures = history.render_all();
-//! assert_eq!(figures.iter().map(|f| f.name).collect::<Vec<_>>(), ["angle", "work"]);
+//! assert_eq!(figures.iter().map(|f| f.name).collect::<Vec<_>>(), ["outputs", "work"]);
 //! assert!(png(&figures[0].svg)?.starts_with(b"\x89PNG"));
 //! # Ok::<(), veribound_report::ReportError>(())
 //! ```

@@ -98,12 +98,12 @@ fn every_figure_is_there_and_the_same_each_time() {
     let make = || history(meta(), 3000, |t| (t.sin() - 0.1, t.sin() + 0.1), true);
     let figures = make().render_all();
     let names: Vec<&str> = figures.iter().map(|figure| figure.name).collect();
-    assert_eq!(names, ["angle", "params", "states", "modes", "work"]);
+    assert_eq!(names, ["outputs", "params", "states", "modes", "work"]);
     assert_eq!(figures, make().render_all());
     assert_drawable(&figures);
-    let angle = &figures[0].svg;
-    assert!(angle.contains(">phi_m [rad]<") && angle.contains(">time [s]<"));
-    assert!(angle.contains("<title>a &lt; b &amp; &quot;c&quot;"));
+    let outputs = &figures[0].svg;
+    assert!(outputs.contains(">phi_m [rad]<") && outputs.contains(">time [s]<"));
+    assert!(outputs.contains("<title>a &lt; b &amp; &quot;c&quot;"));
     assert!(figures[1].svg.contains(">reset<"));
 }
 

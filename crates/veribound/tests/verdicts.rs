@@ -35,8 +35,8 @@ fn a_consistent_run_writes_all_files() {
     assert!(ran.out.contains("k   [0, 4]"), "{}", ran.out);
     let expected = [
         "boxes.csv",
-        "fig/angle.png",
-        "fig/angle.svg",
+        "fig/outputs.png",
+        "fig/outputs.svg",
         "fig/modes.png",
         "fig/modes.svg",
         "fig/params.png",

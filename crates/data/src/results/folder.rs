@@ -14,7 +14,7 @@ const MARK: &str = "summary.json";
 const TABLES: [&str; 5] = [MARK, "run.toml", "states.csv", "params.csv", "boxes.csv"];
 
 /// The figures of a run, in the folder `fig`.
-const FIGURES: [&str; 5] = ["angle", "params", "states", "modes", "work"];
+const FIGURES: [&str; 5] = ["outputs", "params", "states", "modes", "work"];
 
 /// Where the files of a run go.
 ///
@@ -64,7 +64,7 @@ impl ResultFolder {
         tables.chain(figures).collect()
     }
 
-    /// Starts the file `name`, a path inside the folder such as `fig/angle.svg`.
+    /// Starts the file `name`, a path inside the folder such as `fig/outputs.svg`.
     ///
     /// *Errors*: `E0501`, `E0502`.
     pub fn file(&self, name: &str) -> Result<ResultFile, Diagnostic> {
@@ -299,16 +299,16 @@ mod tests {
             .publish(write(&[
                 "summary.json",
                 "params.csv",
-                "fig/angle.svg",
+                "fig/outputs.svg",
                 "fig/work.png",
             ]))
             .unwrap();
         fs::write(place.path().join("notes.txt"), b"the user's own").unwrap();
         folder
-            .publish(write(&["summary.json", "fig/angle.svg"]))
+            .publish(write(&["summary.json", "fig/outputs.svg"]))
             .unwrap();
         assert_eq!(files(place.path()), ["fig", "notes.txt", "summary.json"]);
-        assert_eq!(files(&place.path().join("fig")), ["angle.svg"]);
+        assert_eq!(files(&place.path().join("fig")), ["outputs.svg"]);
         folder
             .publish(write(&["params.csv", "summary.json"]))
             .unwrap();
@@ -331,7 +331,7 @@ mod tests {
         // No process has this number.
         let left = [
             ".params.csv.4294967295.part",
-            "fig/.angle.svg.4294967295.part",
+            "fig/.outputs.svg.4294967295.part",
         ];
         let kept = [".mine.part", "a.1.part", ".hidden"];
         for name in left.iter().chain(&kept) {

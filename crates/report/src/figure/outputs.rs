@@ -30,7 +30,7 @@ const FINE: i64 = 5;
 /// One panel per output, each with an inset where the panel has room for it; where one has not,
 /// all enlargements stand beside their panels.
 pub(super) fn draw(history: &History) -> String {
-    let mut canvas = Canvas::new("angle", theme::WIDTH);
+    let mut canvas = Canvas::new("outputs", theme::WIDTH);
     let right = right_edge(history);
     let count = history.meta.outputs.len();
     let mut entries = vec![
@@ -41,7 +41,7 @@ pub(super) fn draw(history: &History) -> String {
     let top = 4.0 + legend::draw(&mut canvas, &entries, (2.0, right), 4.0);
 
     let inside = layout(
-        &mut Canvas::new("angle", theme::WIDTH),
+        &mut Canvas::new("outputs", theme::WIDTH),
         history,
         Frame {
             top,
