@@ -19,7 +19,6 @@ mod record;
 mod results;
 
 pub use digest::sha256_of_file;
-pub use outward::spelled;
 pub use reader::table::{TableReader, TableRow};
 pub use record::{Record, RecordOptions, Samples};
 pub use results::folder::{CompleteFile, ResultFile, ResultFolder};

@@ -1,6 +1,9 @@
 //! Bounds as decimal text that does not cut anything off.
 
-use veribound_interval::{Decimal, Interval, text};
+use veribound_interval::{
+    Interval,
+    text::{self, spelled},
+};
 
 /// Significant digits of printed bounds.
 pub(crate) const DIGITS: usize = 12;
@@ -13,27 +16,6 @@ pub(crate) fn lower(bounds: Interval) -> String {
 /// A decimal that is not below the upper bound.
 pub(crate) fn upper(bounds: Interval) -> String {
     text::upper(bounds.hi(), DIGITS)
-}
-
-/// The ends of the interval that a user wrote as two decimals and that was read as `read`.
-///
-/// `[-6, -0.05]` is held as floats a little outside; printing these outward would show
-/// -0.0499999999999 where the user knows -0.05. Decimals of at most 15 digits are farther apart than
-/// floats, so at most one of them is read as a given end; and the model reader widens every end
-/// with more digits to one of 15, so the end that is found is the user's (or lies outside of it).
-/// Where no short decimal is read as the end, it is rounded outward.
-pub fn spelled(read: Interval) -> (String, String) {
-    // Below the normal floats the argument fails; there the ends are rounded outward.
-    let short = |x: f64| 1..=(if x == 0.0 || x.abs() > 1e-290 { 15 } else { 0 });
-    let lo = short(read.lo()).map(|digits| text::upper(read.lo(), digits));
-    let lo = lo.filter(|text| enclosed(text).is_some_and(|end| end.lo() == read.lo()));
-    let hi = short(read.hi()).map(|digits| text::lower(read.hi(), digits));
-    let hi = hi.filter(|text| enclosed(text).is_some_and(|end| end.hi() == read.hi()));
-    let (mut lo, mut hi) = (lo, hi);
-    (
-        lo.next().unwrap_or_else(|| lower(read)),
-        hi.next().unwrap_or_else(|| upper(read)),
-    )
 }
 
 /// Bounds of what is proved to lie in `bounds` and, by the user's word, in the prior read as `prior`.
@@ -55,15 +37,10 @@ pub(crate) fn inside_prior(bounds: Interval, prior: Interval) -> (String, String
     )
 }
 
-fn enclosed(text: &str) -> Option<Interval> {
-    Decimal::parse(text)
-        .ok()
-        .map(|decimal| decimal.to_interval())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use veribound_interval::Decimal;
 
     fn decimal(text: &str) -> Decimal {
         Decimal::parse(text).unwrap()
@@ -107,7 +84,7 @@ mod tests {
         let (lo, hi) = spelled(third);
         assert_eq!(
             (lo.as_str(), hi.as_str()),
-            ("0.333333333333", "0.333333333334")
+            ("0.333333333333333", "0.333333333333334")
         );
     }
 

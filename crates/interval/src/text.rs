@@ -41,17 +41,41 @@ pub fn upper(x: f64, digits: usize) -> String {
 pub fn readable(bounds: Interval) -> (String, String) {
     let allowed = bounds.width() * 1.02;
     let ends = |digits| (lower(bounds.lo(), digits), upper(bounds.hi(), digits));
-    let spelled = |text: &str| Some(Decimal::parse(text).ok()?.to_interval());
     // Infinite ends are no decimals: no number of digits makes their interval narrower.
     let fits = |(lo, hi): &(String, String)| {
-        spelled(lo)
-            .zip(spelled(hi))
+        enclosure(lo)
+            .zip(enclosure(hi))
             .is_none_or(|(lo, hi)| lo.hull(hi).width() <= allowed)
     };
     (3..MOST_DIGITS)
         .map(ends)
         .find(fits)
         .unwrap_or_else(|| ends(MOST_DIGITS))
+}
+
+/// The ends of the interval that a user wrote as two decimals and that was read as `read`.
+///
+/// `[-6, -0.05]` is held as floats a little outside; printing these outward would show
+/// -0.0499999999999 where the user knows -0.05. Decimals of at most 15 digits are farther apart than
+/// floats, so at most one of them is read as a given end; and the model reader widens every end
+/// with more digits to one of 15, so the end that is found is the user's (or lies outside of it).
+/// Where no short decimal is read as the end, it is rounded outward.
+pub fn spelled(read: Interval) -> (String, String) {
+    // Below the normal floats the argument fails; there the ends are rounded outward.
+    let short = |x: f64| 1..=(if x == 0.0 || x.abs() > 1e-290 { 15 } else { 0 });
+    let lo = short(read.lo()).map(|digits| upper(read.lo(), digits));
+    let lo = lo.filter(|text| enclosure(text).is_some_and(|end| end.lo() == read.lo()));
+    let hi = short(read.hi()).map(|digits| lower(read.hi(), digits));
+    let hi = hi.filter(|text| enclosure(text).is_some_and(|end| end.hi() == read.hi()));
+    let (mut lo, mut hi) = (lo, hi);
+    (
+        lo.next().unwrap_or_else(|| lower(read.lo(), MOST_DIGITS)),
+        hi.next().unwrap_or_else(|| upper(read.hi(), MOST_DIGITS)),
+    )
+}
+
+fn enclosure(text: &str) -> Option<Interval> {
+    Some(Decimal::parse(text).ok()?.to_interval())
 }
 
 /// Digits with which every bound can be printed well enough for people.

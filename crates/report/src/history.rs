@@ -153,6 +153,7 @@ impl History {
     /// every figure.
     pub fn refute_at(&mut self, t: f64) {
         self.refuted_at = t.is_finite().then_some(t);
+        self.spotlight.end_here();
     }
 
     fn check(&self, row: &SampleRow<'_>) -> Result<(), ReportError> {

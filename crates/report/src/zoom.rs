@@ -66,6 +66,15 @@ impl Spotlight {
         }
     }
 
+    /// An automatic window shows the last samples: what comes next refutes the model.
+    pub fn end_here(&mut self) {
+        if let Self::Auto { block, best, .. } = self
+            && block.len() > 1
+        {
+            *best = Some((f64::INFINITY, block.clone()));
+        }
+    }
+
     /// The samples of the window; fewer than two are nothing to zoom.
     pub fn cells(&self) -> Option<&[Cell]> {
         let cells = match self {

@@ -35,10 +35,10 @@ fn a_consistent_run_writes_all_files() {
     assert!(ran.out.contains("k   [0, 4]"), "{}", ran.out);
     let expected = [
         "boxes.csv",
-        "fig/outputs.png",
-        "fig/outputs.svg",
         "fig/modes.png",
         "fig/modes.svg",
+        "fig/outputs.png",
+        "fig/outputs.svg",
         "fig/params.png",
         "fig/params.svg",
         "fig/states.png",
@@ -326,7 +326,7 @@ fn a_check_says_what_was_understood() {
 /// While the record is checked nothing has been found that is worth to be kept.
 #[cfg(unix)]
 #[test]
-fn ctrl_c_during_the_check_of_the_record_ends_at_once() {
+fn a_signal_during_the_check_of_the_record_ends_at_once() {
     use std::process::{Command, Stdio};
     let place = Place::new();
     let (model, record) = (
@@ -340,8 +340,9 @@ fn ctrl_c_during_the_check_of_the_record_ends_at_once() {
         .spawn()
         .unwrap();
     std::thread::sleep(std::time::Duration::from_millis(100));
+    // Not INT: a shell that runs the tests in the background lets its children ignore that one.
     let sent = Command::new("kill")
-        .args(["-INT", &child.id().to_string()])
+        .args(["-TERM", &child.id().to_string()])
         .status()
         .unwrap();
     assert!(sent.success());

@@ -128,7 +128,7 @@ impl ParameterSummary {
                 Ends::new(outward::inside_prior(bounds, param.bounds))
             },
             unit: param.unit.clone(),
-            prior: Ends::new(outward::spelled(param.bounds)),
+            prior: Ends::new(veribound_interval::text::spelled(param.bounds)),
         }
     }
 }

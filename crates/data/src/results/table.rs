@@ -94,7 +94,9 @@ impl Column {
 
     fn spelled_prior(&self) -> Option<(Interval, (String, String))> {
         match self {
-            Column::Parameter(_, prior) => Some((*prior, outward::spelled(*prior))),
+            Column::Parameter(_, prior) => {
+                Some((*prior, veribound_interval::text::spelled(*prior)))
+            }
             _ => None,
         }
     }

@@ -7,7 +7,8 @@ use crate::file::quantities::{ReadParam, column, error_bound, unit};
 use crate::file::reader::{Entry, Reader, Table, Value};
 use crate::file::scope::{Equation, Meaning, Scope};
 use crate::file::text::Text;
-use crate::model::{ErrorBound, Output, Reset, Signal};
+use crate::graph::{Node, Var};
+use crate::model::{ErrorBound, Output, Reset, Signal, State};
 use crate::syntax::{number, parse};
 use crate::units;
 use std::ops::Range;
@@ -412,22 +413,31 @@ fn actions(reader: &mut Reader, value: Value, params: &[ReadParam]) -> Vec<usize
     found
 }
 
-/// Puts the outputs into the graph.
+/// Puts the outputs into the graph. An output that is a state has the unit of that state, unless it
+/// has one of its own.
 pub(crate) fn lower_outputs(
     reader: &mut Reader,
     lowering: &mut Lowering,
     outputs: Vec<ReadOutput>,
+    states: &[State],
 ) -> Vec<Output> {
     let mut found = Vec::new();
     for output in outputs {
         match lowering.plain(&output.equation.ast) {
-            Ok(expr) => found.push(Output {
-                name: output.name,
-                unit: output.unit,
-                column: output.column,
-                expr,
-                error: output.error,
-            }),
+            Ok(expr) => {
+                let state = match *lowering.graph.node(expr) {
+                    Node::Var(Var::State(state)) => states.get(state),
+                    _ => None,
+                };
+                let own = Some(output.unit).filter(|unit| !unit.is_empty());
+                found.push(Output {
+                    name: output.name,
+                    unit: own.unwrap_or_else(|| state.map_or(String::new(), |s| s.unit.clone())),
+                    column: output.column,
+                    expr,
+                    error: output.error,
+                });
+            }
             Err(problems) => report_all(reader, &output.equation, problems),
         }
     }

@@ -173,7 +173,7 @@ fn model(reader: &mut Reader, file: &Table) -> Option<Model> {
         .iter()
         .map(|mode| equations::lower_mode(reader, &mut lowering, mode, has_guards))
         .collect();
-    let outputs = measured::lower_outputs(reader, &mut lowering, outputs);
+    let outputs = measured::lower_outputs(reader, &mut lowering, outputs, &states);
     let signals = measured::lower_signals(reader, &mut lowering, signals, resets);
     let lowered: Vec<(Guard, Vec<_>)> = lowered.into_iter().collect::<Option<_>>()?;
 

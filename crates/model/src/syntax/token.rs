@@ -70,7 +70,7 @@ fn unknown_character(text: &str, start: usize) -> Problem {
         .unwrap_or(' ');
     let help = match symbol {
         '.' => "write a digit before and after the decimal point: 0.5, 2.0",
-        '%' => "write the share as a number: 0.1 for ten percent",
+        '%' => "write { expr = \"x\", error = { relative = 0.1 } } for an error of ten percent",
         '&' => "write `and`",
         '|' => "write `or`, or abs(x) for the absolute value",
         '!' => "write `not`, or `!=` between two values",

@@ -40,7 +40,7 @@ pub(super) fn draw_params(history: &History, other: Option<&History>) -> String 
         extra.extend(param.nominal);
         rows.push(Row {
             name: param.quantity.label(),
-            remark: final_bounds(history, series),
+            remark: final_bounds(history, series, param.prior),
             value: value_axis(&bands, &extra, height, theme::SMALL),
             height,
         });
@@ -110,7 +110,7 @@ pub(super) fn draw_states(history: &History) -> String {
             let series = history.state_series(i);
             Row {
                 name: state.label(),
-                remark: final_bounds(history, series),
+                remark: final_bounds(history, series, NO_PRIOR),
                 value: value_axis(&bands(history, series), &[], height, theme::SMALL),
                 height,
             }
@@ -248,13 +248,25 @@ fn panel_height(count: usize) -> f64 {
     }
 }
 
-/// The bounds after the last sample, with the digits of the tables for people.
-fn final_bounds(history: &History, series: usize) -> String {
+const NO_PRIOR: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+/// The bounds after the last sample, with the digits of the tables for people; an end at which nothing
+/// was cut off the prior is the prior's own.
+fn final_bounds(history: &History, series: usize, prior: (f64, f64)) -> String {
     let last = history.last_band(series);
     let Some(bounds) = last.and_then(|band| Interval::new(band.lo, band.hi)) else {
         return String::new();
     };
-    let (lo, hi) = text::readable(bounds);
+    let (mut lo, mut hi) = text::readable(bounds);
+    if let Some(prior) = Interval::new(prior.0, prior.1).filter(|prior| prior.is_bounded()) {
+        let spelled = text::spelled(prior);
+        if bounds.lo() == prior.lo() {
+            lo = spelled.0;
+        }
+        if bounds.hi() == prior.hi() {
+            hi = spelled.1;
+        }
+    }
     let bounds = if lo == hi {
         format!("final {lo}")
     } else {

@@ -145,8 +145,12 @@ pub struct Method {
     pub velocity_horizon: f64,
     /// Stretches of the past, in samples, over which a rate is bounded by how far its integral moved;
     /// 0 for none
-    #[arg(long, value_name = "SAMPLES", value_delimiter = ',',
-          default_values_t = ObserverOptions::default().windows)]
+    #[arg(
+        long,
+        value_name = "SAMPLES,...",
+        value_delimiter = ',',
+        default_value = "4,16,64"
+    )]
     pub windows: Vec<u64>,
     /// Split a switching state into three while several modes are possible
     #[arg(long)]
@@ -176,8 +180,13 @@ pub struct Method {
 #[command(next_help_heading = "Output")]
 pub struct Showing {
     /// Formats of the figures
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "FORMAT",
-          default_values_t = [Format::Svg, Format::Png])]
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "FORMAT",
+        default_value = "svg,png"
+    )]
     pub figures: Vec<Format>,
     /// Stretch of time that the figure of the outputs enlarges: FROM..TO in seconds, auto, or off
     #[arg(

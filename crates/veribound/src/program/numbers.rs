@@ -1,7 +1,9 @@
 //! Bounds as text for people: rounded outward, and no more digits than tell something.
 
-use veribound_data::spelled;
-use veribound_interval::{Interval, round, text::readable};
+use veribound_interval::{
+    Interval, round,
+    text::{readable, spelled},
+};
 
 /// The interval as text: `[lo, hi]`, rounded outward.
 pub fn show(bounds: Interval) -> String {

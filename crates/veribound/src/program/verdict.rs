@@ -147,6 +147,10 @@ fn refuted(model: &Model, record: &Record, refutation: &Refutation) -> Diagnosti
         show(allowed),
     );
     let help = match &refutation.contradiction {
+        Contradiction::Output { .. } if refutation.sample == 0 => format!(
+            "no parameter has acted yet: check `init` in the model file, and that `{name}` is recorded in \
+             the unit of the model"
+        ),
         Contradiction::Output { .. } => format!(
             "widen what is not certain: the error bound of `{name}`, the priors, `--input-error`, \
              or `--reset` for a parameter that changes"
