@@ -1,9 +1,6 @@
 //! Bounds as decimal text that does not cut anything off.
 
-use veribound_interval::{
-    Interval,
-    text::{self, spelled},
-};
+use veribound_interval::{Interval, text};
 
 /// Significant digits of printed bounds.
 pub(crate) const DIGITS: usize = 12;
@@ -22,25 +19,13 @@ pub(crate) fn upper(bounds: Interval) -> String {
 ///
 /// An end at which nothing was cut off the prior is the prior's own, as the user spelled it.
 pub(crate) fn inside_prior(bounds: Interval, prior: Interval) -> (String, String) {
-    let (lo, hi) = spelled(prior);
-    (
-        if bounds.lo() == prior.lo() {
-            lo
-        } else {
-            lower(bounds)
-        },
-        if bounds.hi() == prior.hi() {
-            hi
-        } else {
-            upper(bounds)
-        },
-    )
+    text::inside_prior((lower(bounds), upper(bounds)), bounds, prior)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use veribound_interval::Decimal;
+    use veribound_interval::{Decimal, text::spelled};
 
     fn decimal(text: &str) -> Decimal {
         Decimal::parse(text).unwrap()

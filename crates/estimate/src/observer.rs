@@ -212,6 +212,7 @@ impl Observer {
             self.windows.restart(&mut self.cells);
         }
         self.windows.renew(&mut self.cells);
+        self.boxes_max = self.boxes_max.max(self.cells.len());
         self.label(&sample.inputs);
         if self.crowded() || position.is_multiple_of(self.options.every as u64) {
             self.merge();
@@ -244,7 +245,6 @@ impl Observer {
 
     /// Step 8.
     fn merge(&mut self) {
-        self.boxes_max = self.boxes_max.max(self.cells.len());
         self.update_scale();
         merge(
             &mut self.cells,

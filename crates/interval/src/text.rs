@@ -62,7 +62,13 @@ pub fn readable(bounds: Interval) -> (String, String) {
 /// Where no short decimal is read as the end, it is rounded outward.
 pub fn spelled(read: Interval) -> (String, String) {
     // Below the normal floats the argument fails; there the ends are rounded outward.
-    let short = |x: f64| 1..=(if x == 0.0 || x.abs() > 1e-290 { 15 } else { 0 });
+    let short = |x: f64| {
+        1..=(if x == 0.0 || x.abs() > 1e-290 {
+            MOST_DIGITS
+        } else {
+            0
+        })
+    };
     let lo = short(read.lo()).map(|digits| upper(read.lo(), digits));
     let lo = lo.filter(|text| enclosure(text).is_some_and(|end| end.lo() == read.lo()));
     let hi = short(read.hi()).map(|digits| lower(read.hi(), digits));
@@ -74,12 +80,31 @@ pub fn spelled(read: Interval) -> (String, String) {
     )
 }
 
+/// `printed`, the ends of what is proved to lie in `bounds` and, by the user's word, in the prior read
+/// as `prior`: an end at which nothing was cut off the prior becomes the prior's own, as [`spelled`].
+pub fn inside_prior(
+    printed: (String, String),
+    bounds: Interval,
+    prior: Interval,
+) -> (String, String) {
+    let (mut lo, mut hi) = printed;
+    let (prior_lo, prior_hi) = spelled(prior);
+    if bounds.lo() == prior.lo() {
+        lo = prior_lo;
+    }
+    if bounds.hi() == prior.hi() {
+        hi = prior_hi;
+    }
+    (lo, hi)
+}
+
 fn enclosure(text: &str) -> Option<Interval> {
     Some(Decimal::parse(text).ok()?.to_interval())
 }
 
-/// Digits with which every bound can be printed well enough for people.
-const MOST_DIGITS: usize = 15;
+/// Digits with which every bound can be printed well enough for people, and the most for which decimals
+/// are farther apart than floats: [`spelled`] finds again what has no more.
+pub const MOST_DIGITS: usize = 15;
 
 fn directed(x: f64, digits: usize, up: bool) -> String {
     if x.is_nan() {

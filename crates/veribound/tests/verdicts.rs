@@ -19,10 +19,7 @@ fn json(text: &str) -> serde_json::Value {
 #[test]
 fn a_consistent_run_writes_all_files() {
     let place = Place::new();
-    let (model, record) = (
-        place.file("m.toml", CART),
-        place.file("r.csv", cart_record(21)),
-    );
+    let (model, record) = place.cart(21);
     let ran = place
         .run(&["observe", &model, &record, "-o", "out"])
         .ended(0);
@@ -70,10 +67,7 @@ fn a_consistent_run_writes_all_files() {
 #[test]
 fn equal_runs_write_equal_files() {
     let place = Place::new();
-    let (model, record) = (
-        place.file("m.toml", CART),
-        place.file("r.csv", cart_record(21)),
-    );
+    let (model, record) = place.cart(21);
     let tables = ["params.csv", "states.csv", "boxes.csv", "run.toml"];
     place.observe(&model, &record, &[]).ended(0);
     let first = tables.map(|name| place.read(&format!("out/{name}")));
@@ -84,10 +78,7 @@ fn equal_runs_write_equal_files() {
 #[test]
 fn json_and_quiet_say_what_they_promise() {
     let place = Place::new();
-    let (model, record) = (
-        place.file("m.toml", CART),
-        place.file("r.csv", cart_record(5)),
-    );
+    let (model, record) = place.cart(5);
     let ran = place.observe(&model, &record, &["--json"]).ended(0);
     assert_eq!(ran.out, place.read("out/summary.json"));
     let ran = place.observe(&model, &record, &["--quiet"]).ended(0);
@@ -97,10 +88,7 @@ fn json_and_quiet_say_what_they_promise() {
 #[test]
 fn the_results_of_a_folder_are_those_of_the_last_run() {
     let place = Place::new();
-    let (model, record) = (
-        place.file("m.toml", CART),
-        place.file("r.csv", cart_record(5)),
-    );
+    let (model, record) = place.cart(5);
     place
         .run(&["observe", &model, &record, "-o", "out"])
         .ended(0);
@@ -123,10 +111,7 @@ fn the_results_of_a_folder_are_those_of_the_last_run() {
 #[test]
 fn a_run_says_all_that_repeats_it() {
     let place = Place::new();
-    let (model, record) = (
-        place.file("m.toml", CART),
-        place.file("r.csv", cart_record(21)),
-    );
+    let (model, record) = place.cart(21);
     place.observe(&model, &record, &[]).ended(0);
     let flags = [
         "observe",
@@ -329,10 +314,7 @@ fn a_check_says_what_was_understood() {
 fn a_signal_during_the_check_of_the_record_ends_at_once() {
     use std::process::{Command, Stdio};
     let place = Place::new();
-    let (model, record) = (
-        place.file("m.toml", CART),
-        place.file("r.csv", cart_record(1_000_000)),
-    );
+    let (model, record) = place.cart(1_000_000);
     let child = place
         .command(&["observe", &model, &record, "-o", "out"])
         .stdout(Stdio::piped())
@@ -424,10 +406,7 @@ fn ctrl_c_leaves_complete_files_up_to_the_last_sample() {
 /// The most memory a run had, in KiB.
 #[cfg(target_os = "linux")]
 fn peak_memory(place: &Place, samples: usize) -> u64 {
-    let (model, record) = (
-        place.file("m.toml", CART),
-        place.file("r.csv", cart_record(samples)),
-    );
+    let (model, record) = place.cart(samples);
     let flags = [
         "observe",
         &model,

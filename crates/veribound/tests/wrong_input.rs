@@ -193,10 +193,7 @@ fn a_binary_file() {
 #[test]
 fn paths_that_cannot_be_read() {
     let place = Place::new();
-    let (model, record) = (
-        place.file("m.toml", CART),
-        place.file("r.csv", cart_record(3)),
-    );
+    let (model, record) = place.cart(3);
     let ran = place.observe("nowhere.toml", &record, &[]).ended(2);
     says(
         &ran.err,
@@ -214,10 +211,7 @@ fn paths_that_cannot_be_read() {
 #[test]
 fn a_folder_that_cannot_be_written() {
     let place = Place::new();
-    let (model, record) = (
-        place.file("m.toml", CART),
-        place.file("r.csv", cart_record(3)),
-    );
+    let (model, record) = place.cart(3);
     place.file("out", "a file is in the way");
     let ran = place.observe(&model, &record, &[]).ended(2);
     says(&ran.err, &["error[E0501]", "`out`", "-o DIR"]);
@@ -229,10 +223,7 @@ fn a_folder_that_cannot_be_written() {
 #[test]
 fn a_disk_that_is_full_leaves_no_half_table() {
     let place = Place::new();
-    let (model, record) = (
-        place.file("m.toml", CART),
-        place.file("r.csv", cart_record(5000)),
-    );
+    let (model, record) = place.cart(5000);
     let program = env!("CARGO_BIN_EXE_veribound");
     let line = format!(
         "trap '' XFSZ; ulimit -f 64; exec '{program}' observe {model} {record} -o out --figures none"
@@ -251,10 +242,7 @@ fn a_disk_that_is_full_leaves_no_half_table() {
 #[test]
 fn a_disk_that_is_full_leaves_the_results_of_the_run_before() {
     let place = Place::new();
-    let (model, record) = (
-        place.file("m.toml", CART),
-        place.file("r.csv", cart_record(200)),
-    );
+    let (model, record) = place.cart(200);
     let flags = ["--figures", "svg"];
     place
         .run(&[&["observe", &model, &record, "-o", "out"], flags.as_slice()].concat())
@@ -357,10 +345,7 @@ fn results_in_the_place_of_what_a_link_leads_to() {
 #[test]
 fn a_start_from_results_that_are_not_complete() {
     let place = Place::new();
-    let (model, record) = (
-        place.file("m.toml", CART),
-        place.file("r.csv", cart_record(5)),
-    );
+    let (model, record) = place.cart(5);
     place.observe(&model, &record, &[]).ended(0);
     std::fs::remove_file(place.path().join("out/summary.json")).unwrap();
     let flags = ["observe", &model, &record, "-o", "b", "--start-from", "out"];
@@ -377,10 +362,7 @@ fn a_start_from_results_that_are_not_complete() {
 fn a_record_that_may_not_be_read() {
     use std::os::unix::fs::PermissionsExt;
     let place = Place::new();
-    let (model, record) = (
-        place.file("m.toml", CART),
-        place.file("r.csv", cart_record(5)),
-    );
+    let (model, record) = place.cart(5);
     let path = place.path().join(&record);
     std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o000)).unwrap();
     if std::fs::read(&path).is_ok() {
@@ -435,10 +417,7 @@ fn flags_that_do_not_fit_the_model() {
 #[test]
 fn flags_that_cannot_be_read() {
     let place = Place::new();
-    let (model, record) = (
-        place.file("m.toml", CART),
-        place.file("r.csv", cart_record(3)),
-    );
+    let (model, record) = place.cart(3);
     for flags in [
         ["--boxes", "0"],
         ["--boxes", "many"],

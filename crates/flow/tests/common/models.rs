@@ -874,9 +874,11 @@ phi_m = "phi +- 0.1"
     inputs: &[(-0.4, 0.4, &[0.0, 0.1, -0.2])],
 };
 
-pub const RIG_EXPLICIT: Target = Target {
-    name: "rig, three modes",
-    text: r#"
+/// The rig with three modes, which hold as these guards say.
+macro_rules! rig_modes {
+    ($forward:literal, $stick:literal, $backward:literal) => {
+        concat!(
+            r#"
 format = 1
 states = ["phi", "omega"]
 inputs = ["u"]
@@ -889,39 +891,39 @@ beta  = [1, 400]
 T_Fs  = [0, 0.35]
 [let]
 drive = "beta * u + alpha * omega"
-[modes]
-forward  = { when = "omega > 0 or (omega == 0 and u >  T_Fs)", der = { phi = "omega", omega = "drive - beta * T_Fs" } }
-stick    = { when = "omega == 0 and abs(u) <= T_Fs",           der = { phi = "0",     omega = "0" } }
-backward = { when = "omega < 0 or (omega == 0 and u < -T_Fs)", der = { phi = "omega", omega = "drive + beta * T_Fs" } }
 [outputs]
 phi_m = "phi +- 0.1"
+[modes]
 "#,
+            "forward  = { when = \"",
+            $forward,
+            "\", der = { phi = \"omega\", omega = \"drive - beta * T_Fs\" } }\nstick    = { when = \"",
+            $stick,
+            "\", der = { phi = \"0\", omega = \"0\" } }\nbackward = { when = \"",
+            $backward,
+            "\", der = { phi = \"omega\", omega = \"drive + beta * T_Fs\" } }\n",
+        )
+    };
+}
+
+pub const RIG_EXPLICIT: Target = Target {
+    name: "rig, three modes",
+    text: rig_modes!(
+        "omega > 0 or (omega == 0 and u >  T_Fs)",
+        "omega == 0 and abs(u) <= T_Fs",
+        "omega < 0 or (omega == 0 and u < -T_Fs)"
+    ),
     ..RIG_SHORT
 };
 
 /// The same modes with their guards written from the other side.
 pub const RIG_MIRRORED: Target = Target {
     name: "rig, mirrored guards",
-    text: r#"
-format = 1
-states = ["phi", "omega"]
-inputs = ["u"]
-[init]
-phi = 0
-omega = 0
-[params]
-alpha = [-6, 0]
-beta  = [1, 400]
-T_Fs  = [0, 0.35]
-[let]
-drive = "beta * u + alpha * omega"
-[modes]
-forward  = { when = "0 < omega or (0 == omega and T_Fs < u)",   der = { phi = "omega", omega = "drive - beta * T_Fs" } }
-stick    = { when = "-omega == 0 and T_Fs >= abs(u)",           der = { phi = "0",     omega = "0" } }
-backward = { when = "-omega > 0 or (-2*omega == 0 and -u > T_Fs)", der = { phi = "omega", omega = "drive + beta * T_Fs" } }
-[outputs]
-phi_m = "phi +- 0.1"
-"#,
+    text: rig_modes!(
+        "0 < omega or (0 == omega and T_Fs < u)",
+        "-omega == 0 and T_Fs >= abs(u)",
+        "-omega > 0 or (-2*omega == 0 and -u > T_Fs)"
+    ),
     ..RIG_SHORT
 };
 

@@ -9,8 +9,9 @@ use std::ops::Range;
 use toml::de::DeValue;
 use veribound_interval::{Decimal, Interval, text};
 
-/// Decimals with more significant digits are widened to this many.
-const PRINTABLE_DIGITS: usize = 15;
+/// Decimals with more significant digits are widened to as many as can be found again when they are
+/// printed.
+const PRINTABLE_DIGITS: usize = text::MOST_DIGITS;
 
 fn significant_digits(decimal: &Decimal) -> usize {
     let spelling = decimal.to_string();

@@ -257,16 +257,8 @@ fn final_bounds(history: &History, series: usize, prior: (f64, f64)) -> String {
     let Some(bounds) = last.and_then(|band| Interval::new(band.lo, band.hi)) else {
         return String::new();
     };
-    let (mut lo, mut hi) = text::readable(bounds);
-    if let Some(prior) = Interval::new(prior.0, prior.1).filter(|prior| prior.is_bounded()) {
-        let spelled = text::spelled(prior);
-        if bounds.lo() == prior.lo() {
-            lo = spelled.0;
-        }
-        if bounds.hi() == prior.hi() {
-            hi = spelled.1;
-        }
-    }
+    let prior = Interval::new(prior.0, prior.1).unwrap_or(Interval::ENTIRE);
+    let (lo, hi) = text::inside_prior(text::readable(bounds), bounds, prior);
     let bounds = if lo == hi {
         format!("final {lo}")
     } else {

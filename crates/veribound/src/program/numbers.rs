@@ -2,7 +2,7 @@
 
 use veribound_interval::{
     Interval, round,
-    text::{readable, spelled},
+    text::{inside_prior, readable, spelled},
 };
 
 /// The interval as text: `[lo, hi]`, rounded outward.
@@ -10,22 +10,12 @@ pub fn show(bounds: Interval) -> String {
     if bounds.is_empty() {
         return "none".to_owned();
     }
-    let (lo, hi) = readable(bounds);
-    if lo == hi {
-        lo
-    } else {
-        format!("[{lo}, {hi}]")
-    }
+    in_brackets(readable(bounds))
 }
 
 /// A prior as the user spelled it.
 pub fn show_prior(prior: Interval) -> String {
-    let (lo, hi) = spelled(prior);
-    if lo == hi {
-        lo
-    } else {
-        format!("[{lo}, {hi}]")
-    }
+    in_brackets(spelled(prior))
 }
 
 /// What is proved to lie in `bounds` and, by the user's word, in `prior`: an end at which nothing was
@@ -34,14 +24,10 @@ pub fn show_inside(bounds: Interval, prior: Interval) -> String {
     if bounds.is_empty() {
         return "none".to_owned();
     }
-    let (mut lo, mut hi) = readable(bounds);
-    let (prior_lo, prior_hi) = spelled(prior);
-    if bounds.lo() == prior.lo() {
-        lo = prior_lo;
-    }
-    if bounds.hi() == prior.hi() {
-        hi = prior_hi;
-    }
+    in_brackets(inside_prior(readable(bounds), bounds, prior))
+}
+
+fn in_brackets((lo, hi): (String, String)) -> String {
     if lo == hi {
         lo
     } else {

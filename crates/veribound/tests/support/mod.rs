@@ -30,6 +30,12 @@ impl Place {
         name.to_owned()
     }
 
+    /// The cart and a record of so many samples; gives their names.
+    pub fn cart(&self, samples: usize) -> (String, String) {
+        let record = cart_record(samples);
+        (self.file("m.toml", CART), self.file("r.csv", record))
+    }
+
     pub fn read(&self, name: &str) -> String {
         fs::read_to_string(self.path().join(name)).unwrap()
     }
