@@ -104,6 +104,18 @@ impl Interval {
         Interval { lo, hi }
     }
 
+    /// Ends that were taken from an interval.
+    #[inline(always)]
+    pub(crate) fn stored(lo: f64, hi: f64) -> Interval {
+        Interval { lo, hi }
+    }
+
+    /// Lower and upper end.
+    #[inline(always)]
+    pub(crate) const fn ends(self) -> (f64, f64) {
+        (self.lo, self.hi)
+    }
+
     /// The lower end; `+inf` for the empty set.
     #[inline]
     pub fn lo(self) -> f64 {

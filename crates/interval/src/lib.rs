@@ -15,6 +15,7 @@ mod decimal;
 mod domain;
 mod elementary;
 mod interval;
+pub mod lanes;
 mod period;
 mod power;
 mod reverse;
@@ -25,5 +26,6 @@ mod truth;
 
 pub use decimal::{Decimal, DecimalError, rational_to_interval};
 pub use interval::Interval;
+pub use lanes::Interval8;
 pub use self_test::{SelfTestError, self_test};
 pub use truth::Truth;

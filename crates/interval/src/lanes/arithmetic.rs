@@ -1,0 +1,89 @@
+//! What a loop over interval operations is written against.
+
+use super::Lanewise;
+use crate::Interval;
+
+/// One interval, or several side by side: what registers of an evaluator hold.
+pub trait Value: Copy + PartialEq + std::fmt::Debug + Send + Sync + 'static {
+    /// One truth value per lane.
+    type Mask: Lanewise;
+
+    /// Runs a kernel on the arithmetic that is the fastest here.
+    fn run<K: Kernel<Self>>(kernel: K) -> K::Output;
+}
+
+/// A loop over interval operations, written once for all values and instruction sets.
+pub trait Kernel<V: Value> {
+    /// What the loop returns.
+    type Output;
+
+    /// The loop. It has to be `#[inline(always)]`, as everything it calls that contains
+    /// operations of `A`: only what is inlined is compiled for the instruction set.
+    fn run<A: Arithmetic<Value = V>>(self) -> Self::Output;
+}
+
+/// The operations on a [`Value`], for one instruction set.
+///
+/// *Guarantee*: lane by lane the result of the operation of [`Interval`] with the same name, to the
+/// bit (the sign of a zero end aside).
+pub trait Arithmetic {
+    /// What it works on.
+    type Value: Value<Mask = Self::Mask>;
+    /// One truth value per lane.
+    type Mask: Lanewise;
+
+    /// The same interval in every lane.
+    fn splat(x: Interval) -> Self::Value;
+    /// `-a`
+    fn neg(a: &Self::Value) -> Self::Value;
+    /// `a + b`
+    fn add(a: &Self::Value, b: &Self::Value) -> Self::Value;
+    /// `a - b`
+    fn sub(a: &Self::Value, b: &Self::Value) -> Self::Value;
+    /// `a * b`
+    fn mul(a: &Self::Value, b: &Self::Value) -> Self::Value;
+    /// `a / b`
+    fn div(a: &Self::Value, b: &Self::Value) -> Self::Value;
+    /// [`Interval::sqr`]
+    fn sqr(a: &Self::Value) -> Self::Value;
+    /// [`Interval::sqrt`]
+    fn sqrt(a: &Self::Value) -> Self::Value;
+    /// [`Interval::abs`]
+    fn abs(a: &Self::Value) -> Self::Value;
+    /// [`Interval::min`]
+    fn min(a: &Self::Value, b: &Self::Value) -> Self::Value;
+    /// [`Interval::max`]
+    fn max(a: &Self::Value, b: &Self::Value) -> Self::Value;
+    /// [`Interval::exp`]
+    fn exp(a: &Self::Value) -> Self::Value;
+    /// [`Interval::ln`]
+    fn ln(a: &Self::Value) -> Self::Value;
+    /// [`Interval::sin`]
+    fn sin(a: &Self::Value) -> Self::Value;
+    /// [`Interval::cos`]
+    fn cos(a: &Self::Value) -> Self::Value;
+    /// [`Interval::intersect`]
+    fn intersect(a: &Self::Value, b: &Self::Value) -> Self::Value;
+    /// [`Interval::is_empty`]
+    fn is_empty(a: &Self::Value) -> Self::Mask;
+    /// `lo > 0`
+    fn is_positive(a: &Self::Value) -> Self::Mask;
+    /// `a` in the lanes of the mask, `b` elsewhere.
+    fn select(mask: Self::Mask, a: &Self::Value, b: &Self::Value) -> Self::Value;
+    /// Any other operation, lane by lane.
+    fn map(a: &Self::Value, f: impl Fn(Interval) -> Interval) -> Self::Value;
+    /// Any other operation of two arguments, lane by lane.
+    fn map2(
+        a: &Self::Value,
+        b: &Self::Value,
+        f: impl Fn(Interval, Interval) -> Interval,
+    ) -> Self::Value;
+    /// A question, lane by lane.
+    fn test(a: &Self::Value, f: impl Fn(Interval) -> bool) -> Self::Mask;
+    /// A question of two arguments, lane by lane.
+    fn test2(
+        a: &Self::Value,
+        b: &Self::Value,
+        f: impl Fn(Interval, Interval) -> bool,
+    ) -> Self::Mask;
+}

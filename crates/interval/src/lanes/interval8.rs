@@ -1,0 +1,280 @@
+//! Eight intervals as a structure of arrays.
+
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+use super::arithmetic::{Arithmetic, Kernel, Value};
+use super::{Floats, LANES, Mask};
+use crate::Interval;
+use crate::interval::{larger, smaller};
+
+/// Eight intervals side by side; lane by lane what [`Interval`] is.
+///
+/// Stored as negated lower ends and upper ends, so that both are rounded up.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval8 {
+    pub(super) neg_lo: Floats,
+    pub(super) hi: Floats,
+}
+
+impl Interval8 {
+    /// The empty set in every lane.
+    pub const EMPTY: Interval8 = Interval8::splat(Interval::EMPTY);
+    /// All numbers in every lane.
+    pub const ENTIRE: Interval8 = Interval8::splat(Interval::ENTIRE);
+    /// The number 0 in every lane.
+    pub const ZERO: Interval8 = Interval8::splat(Interval::ZERO);
+
+    /// The same interval in every lane.
+    #[inline(always)]
+    pub const fn splat(x: Interval) -> Interval8 {
+        let (lo, hi) = x.ends();
+        Interval8 {
+            neg_lo: [-lo; LANES],
+            hi: [hi; LANES],
+        }
+    }
+
+    /// Each lane by its number.
+    #[inline(always)]
+    pub fn from_fn(mut value: impl FnMut(usize) -> Interval) -> Interval8 {
+        let mut all = Interval8::EMPTY;
+        for lane in 0..LANES {
+            all.set(lane, value(lane));
+        }
+        all
+    }
+
+    /// The smallest enclosure of one float per lane, as [`Interval::point`].
+    #[inline(always)]
+    pub fn point(x: Floats) -> Interval8 {
+        if x.iter().all(|x| x.is_finite()) {
+            Interval8 {
+                neg_lo: x.map(|x| -x),
+                hi: x,
+            }
+        } else {
+            Interval8::from_fn(|lane| Interval::point(x[lane]))
+        }
+    }
+
+    /// The set `[lo, hi]` in each lane, empty where `lo <= hi` does not hold or both are the same
+    /// infinity.
+    #[inline(always)]
+    pub fn between(lo: Floats, hi: Floats) -> Interval8 {
+        let valid = |lane: usize| {
+            lo[lane] <= hi[lane] && lo[lane] < f64::INFINITY && hi[lane] > f64::NEG_INFINITY
+        };
+        let mut all = Interval8::EMPTY;
+        for lane in 0..LANES {
+            let valid = valid(lane);
+            all.neg_lo[lane] = if valid { -lo[lane] } else { f64::NEG_INFINITY };
+            all.hi[lane] = if valid { hi[lane] } else { f64::NEG_INFINITY };
+        }
+        all
+    }
+
+    /// The interval in one lane.
+    #[inline(always)]
+    pub fn get(&self, lane: usize) -> Interval {
+        Interval::stored(-self.neg_lo[lane], self.hi[lane])
+    }
+
+    /// Puts an interval into one lane.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, x: Interval) {
+        self.neg_lo[lane] = -x.lo();
+        self.hi[lane] = x.hi();
+    }
+
+    /// The lower ends.
+    #[inline(always)]
+    pub fn lo(&self) -> Floats {
+        self.neg_lo.map(|x| -x)
+    }
+
+    /// The upper ends.
+    #[inline(always)]
+    pub fn hi(&self) -> Floats {
+        self.hi
+    }
+
+    /// `self` in the lanes of the mask, `other` elsewhere.
+    #[inline(always)]
+    pub fn or_else(&self, mask: Mask, other: &Interval8) -> Interval8 {
+        let mut all = *other;
+        for lane in 0..LANES {
+            let keep = mask.get(lane);
+            all.neg_lo[lane] = if keep {
+                self.neg_lo[lane]
+            } else {
+                all.neg_lo[lane]
+            };
+            all.hi[lane] = if keep { self.hi[lane] } else { all.hi[lane] };
+        }
+        all
+    }
+
+    /// Takes over `other` in the lanes of the mask.
+    #[inline(always)]
+    pub fn assign(&mut self, mask: Mask, other: &Interval8) {
+        *self = other.or_else(mask, self);
+    }
+
+    /// The common elements, exactly.
+    #[inline(always)]
+    pub fn intersect(&self, other: &Interval8) -> Interval8 {
+        let mut all = Interval8::EMPTY;
+        for lane in 0..LANES {
+            let neg_lo = smaller(self.neg_lo[lane], other.neg_lo[lane]);
+            let hi = smaller(self.hi[lane], other.hi[lane]);
+            let empty = -neg_lo > hi;
+            all.neg_lo[lane] = if empty { f64::NEG_INFINITY } else { neg_lo };
+            all.hi[lane] = if empty { f64::NEG_INFINITY } else { hi };
+        }
+        all
+    }
+
+    /// The smallest intervals with all elements of both.
+    #[inline(always)]
+    pub fn hull(&self, other: &Interval8) -> Interval8 {
+        let mut all = Interval8::EMPTY;
+        for lane in 0..LANES {
+            all.neg_lo[lane] = larger(self.neg_lo[lane], other.neg_lo[lane]);
+            all.hi[lane] = larger(self.hi[lane], other.hi[lane]);
+        }
+        all
+    }
+
+    /// The lanes without elements.
+    #[inline(always)]
+    pub fn is_empty(&self) -> Mask {
+        Mask::from_fn(|lane| -self.neg_lo[lane] > self.hi[lane])
+    }
+
+    /// The lanes where both ends are finite; false for the empty set.
+    #[inline(always)]
+    pub fn is_bounded(&self) -> Mask {
+        Mask::from_fn(|lane| {
+            self.neg_lo[lane] < f64::INFINITY
+                && self.hi[lane] < f64::INFINITY
+                && -self.neg_lo[lane] <= self.hi[lane]
+        })
+    }
+
+    /// The lanes where every element of `self` is one of `other`.
+    #[inline(always)]
+    pub fn is_subset_of(&self, other: &Interval8) -> Mask {
+        Mask::from_fn(|lane| {
+            (self.neg_lo[lane] <= other.neg_lo[lane]) & (self.hi[lane] <= other.hi[lane])
+                | (-self.neg_lo[lane] > self.hi[lane])
+        })
+    }
+
+    /// The lanes where `self` lies in the topological interior of `other`.
+    #[inline(always)]
+    pub fn is_interior_of(&self, other: &Interval8) -> Mask {
+        Mask::from_fn(|lane| self.get(lane).is_interior_of(other.get(lane)))
+    }
+
+    /// The lanes where the two sets have a common element.
+    #[inline(always)]
+    pub fn intersects(&self, other: &Interval8) -> Mask {
+        !self.intersect(other).is_empty()
+    }
+
+    /// The lanes where 0 is an element.
+    #[inline(always)]
+    pub fn contains_zero(&self) -> Mask {
+        Mask::from_fn(|lane| (self.neg_lo[lane] >= 0.0) & (self.hi[lane] >= 0.0))
+    }
+
+    /// A finite float of every lane, as [`Interval::mid`].
+    #[inline(always)]
+    pub fn mid(&self) -> Floats {
+        let mut mid = [0.0; LANES];
+        for (lane, mid) in mid.iter_mut().enumerate() {
+            *mid = self.get(lane).mid();
+        }
+        mid
+    }
+
+    /// `hi - lo` rounded up, as [`Interval::width`].
+    #[inline(always)]
+    pub fn width(&self) -> Floats {
+        let widths = Interval8 {
+            neg_lo: self.neg_lo,
+            hi: self.hi,
+        } + Interval8 {
+            neg_lo: self.hi,
+            hi: self.neg_lo,
+        };
+        let empty = self.is_empty();
+        let mut width = widths.hi;
+        for (lane, width) in width.iter_mut().enumerate() {
+            *width = if empty.get(lane) { 0.0 } else { *width };
+        }
+        width
+    }
+
+    /// The largest absolute values, as [`Interval::mag`].
+    #[inline(always)]
+    pub fn mag(&self) -> Floats {
+        let mut mag = [0.0; LANES];
+        for (lane, mag) in mag.iter_mut().enumerate() {
+            *mag = self.get(lane).mag();
+        }
+        mag
+    }
+
+    /// A scalar operation on each lane.
+    #[inline(always)]
+    pub fn map(&self, f: impl Fn(Interval) -> Interval) -> Interval8 {
+        Interval8::from_fn(|lane| f(self.get(lane)))
+    }
+}
+
+macro_rules! operator {
+    ($($trait:ident $method:ident $kernel:ident),+) => {$(
+        struct $kernel<'a>(&'a Interval8, &'a Interval8);
+
+        impl Kernel<Interval8> for $kernel<'_> {
+            type Output = Interval8;
+
+            #[inline(always)]
+            fn run<A: Arithmetic<Value = Interval8>>(self) -> Interval8 {
+                A::$method(self.0, self.1)
+            }
+        }
+
+        impl $trait for Interval8 {
+            type Output = Interval8;
+
+            #[inline]
+            fn $method(self, other: Interval8) -> Interval8 {
+                Interval8::run($kernel(&self, &other))
+            }
+        }
+    )+};
+}
+
+operator!(Add add AddKernel, Sub sub SubKernel, Mul mul MulKernel, Div div DivKernel);
+
+impl AddAssign for Interval8 {
+    #[inline]
+    fn add_assign(&mut self, other: Interval8) {
+        *self = *self + other;
+    }
+}
+
+impl Neg for Interval8 {
+    type Output = Interval8;
+
+    #[inline(always)]
+    fn neg(self) -> Interval8 {
+        Interval8 {
+            neg_lo: self.hi,
+            hi: self.neg_lo,
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! Eight intervals side by side.
+//!
+//! [`Interval8`] has the operations of [`Interval`], lane by lane, and *exactly* its results: every
+//! basic operation is tight, and every other one is the scalar operation on each lane. So the bits of
+//! a result depend neither on the machine nor on the neighbours of a lane.
+//!
+//! An operation on an [`Interval8`] runs on the widest instruction set the processor has (a
+//! [`Path`]), chosen once at run time. Whole loops over many operations are written once, as a
+//! [`Kernel`] over an [`Arithmetic`], and [`Value::run`] compiles and chooses them per path.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: every array has LANES elements, and lanes are counted below LANES"
+)]
+
+mod arithmetic;
+mod interval8;
+mod mask;
+mod path;
+mod portable;
+mod scalar;
+
+pub use arithmetic::{Arithmetic, Kernel, Value};
+pub use interval8::Interval8;
+pub use mask::{Lanewise, Mask};
+pub use path::Path;
+
+/// Number of intervals in an [`Interval8`].
+pub const LANES: usize = 8;
+
+/// One float per lane.
+pub type Floats = [f64; LANES];
