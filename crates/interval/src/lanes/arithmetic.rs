@@ -8,6 +8,9 @@ pub trait Value: Copy + PartialEq + std::fmt::Debug + Send + Sync + 'static {
     /// One truth value per lane.
     type Mask: Lanewise;
 
+    /// The same interval in every lane.
+    fn splat(x: Interval) -> Self;
+
     /// Runs a kernel on the arithmetic that is the fastest here.
     fn run<K: Kernel<Self>>(kernel: K) -> K::Output;
 }
@@ -22,18 +25,17 @@ pub trait Kernel<V: Value> {
     fn run<A: Arithmetic<Value = V>>(self) -> Self::Output;
 }
 
+/// The masks of an [`Arithmetic`].
+pub type MaskOf<A> = <<A as Arithmetic>::Value as Value>::Mask;
+
 /// The operations on a [`Value`], for one instruction set.
 ///
 /// *Guarantee*: lane by lane the result of the operation of [`Interval`] with the same name, to the
 /// bit (the sign of a zero end aside).
 pub trait Arithmetic {
     /// What it works on.
-    type Value: Value<Mask = Self::Mask>;
-    /// One truth value per lane.
-    type Mask: Lanewise;
+    type Value: Value;
 
-    /// The same interval in every lane.
-    fn splat(x: Interval) -> Self::Value;
     /// `-a`
     fn neg(a: &Self::Value) -> Self::Value;
     /// `a + b`
@@ -65,11 +67,11 @@ pub trait Arithmetic {
     /// [`Interval::intersect`]
     fn intersect(a: &Self::Value, b: &Self::Value) -> Self::Value;
     /// [`Interval::is_empty`]
-    fn is_empty(a: &Self::Value) -> Self::Mask;
+    fn is_empty(a: &Self::Value) -> MaskOf<Self>;
     /// `lo > 0`
-    fn is_positive(a: &Self::Value) -> Self::Mask;
+    fn is_positive(a: &Self::Value) -> MaskOf<Self>;
     /// `a` in the lanes of the mask, `b` elsewhere.
-    fn select(mask: Self::Mask, a: &Self::Value, b: &Self::Value) -> Self::Value;
+    fn select(mask: MaskOf<Self>, a: &Self::Value, b: &Self::Value) -> Self::Value;
     /// Any other operation, lane by lane.
     fn map(a: &Self::Value, f: impl Fn(Interval) -> Interval) -> Self::Value;
     /// Any other operation of two arguments, lane by lane.
@@ -79,11 +81,11 @@ pub trait Arithmetic {
         f: impl Fn(Interval, Interval) -> Interval,
     ) -> Self::Value;
     /// A question, lane by lane.
-    fn test(a: &Self::Value, f: impl Fn(Interval) -> bool) -> Self::Mask;
+    fn test(a: &Self::Value, f: impl Fn(Interval) -> bool) -> MaskOf<Self>;
     /// A question of two arguments, lane by lane.
     fn test2(
         a: &Self::Value,
         b: &Self::Value,
         f: impl Fn(Interval, Interval) -> bool,
-    ) -> Self::Mask;
+    ) -> MaskOf<Self>;
 }

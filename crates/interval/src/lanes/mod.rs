@@ -19,7 +19,7 @@ mod path;
 mod portable;
 mod scalar;
 
-pub use arithmetic::{Arithmetic, Kernel, Value};
+pub use arithmetic::{Arithmetic, Kernel, MaskOf, Value};
 pub use interval8::Interval8;
 pub use mask::{Lanewise, Mask};
 pub use path::Path;

@@ -2,6 +2,7 @@
 
 use super::portable::Portable;
 use super::{Interval8, Kernel, Mask, Value};
+use crate::Interval;
 
 /// How operations on [`Interval8`] are carried out. All paths give the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,6 +32,11 @@ impl Path {
 
 impl Value for Interval8 {
     type Mask = Mask;
+
+    #[inline(always)]
+    fn splat(x: Interval) -> Interval8 {
+        Interval8::splat(x)
+    }
 
     #[inline]
     fn run<K: Kernel<Interval8>>(kernel: K) -> K::Output {

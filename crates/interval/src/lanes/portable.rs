@@ -21,14 +21,8 @@ macro_rules! lanewise {
 
 impl Arithmetic for Portable {
     type Value = Interval8;
-    type Mask = Mask;
 
     lanewise!(sqr, sqrt, abs, exp, ln, sin, cos; min, max);
-
-    #[inline(always)]
-    fn splat(x: Interval) -> Interval8 {
-        Interval8::splat(x)
-    }
 
     #[inline(always)]
     fn neg(a: &Interval8) -> Interval8 {

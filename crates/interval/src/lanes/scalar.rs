@@ -10,6 +10,11 @@ impl Value for Interval {
     type Mask = bool;
 
     #[inline(always)]
+    fn splat(x: Interval) -> Interval {
+        x
+    }
+
+    #[inline(always)]
     fn run<K: Kernel<Interval>>(kernel: K) -> K::Output {
         kernel.run::<Scalar>()
     }
@@ -30,14 +35,8 @@ macro_rules! forward {
 
 impl Arithmetic for Scalar {
     type Value = Interval;
-    type Mask = bool;
 
     forward!(sqr, sqrt, abs, exp, ln, sin, cos; min, max, intersect);
-
-    #[inline(always)]
-    fn splat(x: Interval) -> Interval {
-        x
-    }
 
     #[inline(always)]
     fn neg(a: &Interval) -> Interval {
