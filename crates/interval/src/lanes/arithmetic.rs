@@ -70,6 +70,8 @@ pub trait Arithmetic {
     fn is_empty(a: &Self::Value) -> MaskOf<Self>;
     /// `lo > 0`
     fn is_positive(a: &Self::Value) -> MaskOf<Self>;
+    /// 0 is an element.
+    fn contains_zero(a: &Self::Value) -> MaskOf<Self>;
     /// `a` in the lanes of the mask, `b` elsewhere.
     fn select(mask: MaskOf<Self>, a: &Self::Value, b: &Self::Value) -> Self::Value;
     /// Any other operation, lane by lane.
@@ -79,6 +81,13 @@ pub trait Arithmetic {
         a: &Self::Value,
         b: &Self::Value,
         f: impl Fn(Interval, Interval) -> Interval,
+    ) -> Self::Value;
+    /// Any other operation of three arguments, lane by lane.
+    fn map3(
+        a: &Self::Value,
+        b: &Self::Value,
+        c: &Self::Value,
+        f: impl Fn(Interval, Interval, Interval) -> Interval,
     ) -> Self::Value;
     /// A question, lane by lane.
     fn test(a: &Self::Value, f: impl Fn(Interval) -> bool) -> MaskOf<Self>;

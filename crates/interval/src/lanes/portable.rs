@@ -65,6 +65,11 @@ impl Arithmetic for Portable {
     }
 
     #[inline(always)]
+    fn contains_zero(a: &Interval8) -> Mask {
+        a.contains_zero()
+    }
+
+    #[inline(always)]
     fn select(mask: Mask, a: &Interval8, b: &Interval8) -> Interval8 {
         a.or_else(mask, b)
     }
@@ -77,6 +82,16 @@ impl Arithmetic for Portable {
     #[inline(always)]
     fn map2(a: &Interval8, b: &Interval8, f: impl Fn(Interval, Interval) -> Interval) -> Interval8 {
         Interval8::from_fn(|lane| f(a.get(lane), b.get(lane)))
+    }
+
+    #[inline(always)]
+    fn map3(
+        a: &Interval8,
+        b: &Interval8,
+        c: &Interval8,
+        f: impl Fn(Interval, Interval, Interval) -> Interval,
+    ) -> Interval8 {
+        Interval8::from_fn(|lane| f(a.get(lane), b.get(lane), c.get(lane)))
     }
 
     #[inline(always)]

@@ -74,6 +74,11 @@ impl Arithmetic for Scalar {
     }
 
     #[inline(always)]
+    fn contains_zero(a: &Interval) -> bool {
+        a.contains(0.0)
+    }
+
+    #[inline(always)]
     fn select(mask: bool, a: &Interval, b: &Interval) -> Interval {
         if mask { *a } else { *b }
     }
@@ -86,6 +91,16 @@ impl Arithmetic for Scalar {
     #[inline(always)]
     fn map2(a: &Interval, b: &Interval, f: impl Fn(Interval, Interval) -> Interval) -> Interval {
         f(*a, *b)
+    }
+
+    #[inline(always)]
+    fn map3(
+        a: &Interval,
+        b: &Interval,
+        c: &Interval,
+        f: impl Fn(Interval, Interval, Interval) -> Interval,
+    ) -> Interval {
+        f(*a, *b, *c)
     }
 
     #[inline(always)]
