@@ -14,10 +14,12 @@
     reason = "PROOF: every box has one memory per pair and window, made by `Windows::fresh`"
 )]
 
+use crate::batch::Batch;
 use crate::cell::Cell;
 use crate::verdict::Contradiction;
 use veribound_flow::{Integral, System};
 use veribound_interval::Interval;
+use veribound_interval::lanes::{Interval8, LANES};
 
 /// What one box remembers for one pair of states and one window.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,14 +91,27 @@ impl Windows {
         }
     }
 
-    /// Takes note of a step of length `dt` with the accelerations in `velocity`.
-    pub(crate) fn extend(&self, cell: &mut Cell, velocity: &[Interval], dt: Interval) {
+    /// Takes note of a step of length `dt` of the boxes in `batch`, with the accelerations in
+    /// `velocities`.
+    pub(crate) fn extend(
+        &self,
+        cells: &mut [Cell],
+        batch: &Batch,
+        velocities: &[Interval8],
+        dt: Interval,
+    ) {
         let half = Interval::point(0.5) * dt.sqr();
-        let mut memories = cell.memories.iter_mut();
+        let mut place = 0;
         for pair in &self.pairs {
-            let acceleration = velocity[pair.rate];
-            for (window, memory) in self.windows.iter().zip(&mut memories) {
-                memory.moment += acceleration * (window.elapsed * dt + half);
+            for window in &self.windows {
+                let weight = Interval8::splat(window.elapsed * dt + half);
+                let more = velocities[pair.rate] * weight;
+                let known = batch.gather(|position| cells[position].memories[place].moment);
+                let moment = known + more;
+                for (lane, position) in batch.positions() {
+                    cells[position].memories[place].moment = moment.get(lane);
+                }
+                place += 1;
             }
         }
     }
@@ -109,34 +124,39 @@ impl Windows {
         }
     }
 
-    /// Narrows the rates of a box to the difference quotients of their integrals.
+    /// Narrows the rates of the boxes in `batch` to the difference quotients of their integrals.
     ///
-    /// Guarantee: every point of the box that a trajectory through the remembered past can have
-    /// reached is kept; `Err` when there is none.
-    pub(crate) fn narrow(&self, cell: &mut Cell) -> Result<(), Contradiction> {
-        let mut position = 0;
+    /// Guarantee: every point of a box that a trajectory through the remembered past can have
+    /// reached is kept. Boxes without one get their contradiction.
+    pub(crate) fn narrow(
+        &self,
+        cells: &[Cell],
+        batch: &mut Batch,
+        found: &mut [Option<Contradiction>; LANES],
+    ) {
+        let mut place = 0;
         for pair in &self.pairs {
             for window in &self.windows {
-                position += 1;
+                place += 1;
                 if window.age == 0 {
                     continue;
                 }
-                let memory = cell.memories[position - 1];
-                let change = cell.z[pair.state] - memory.start;
-                let needed = (change + memory.moment) / window.elapsed;
-                let enclosure = cell.z[pair.rate];
-                let narrowed = enclosure.intersect(needed);
-                if narrowed.is_empty() {
-                    return Err(Contradiction::Motion {
+                let start = batch.gather(|position| cells[position].memories[place - 1].start);
+                let moment = batch.gather(|position| cells[position].memories[place - 1].moment);
+                let change = batch.boxes[pair.state] - start;
+                let needed = (change + moment) / Interval8::splat(window.elapsed);
+                let enclosure = batch.boxes[pair.rate];
+                let narrowed = enclosure.intersect(&needed);
+                for lane in (batch.lanes & narrowed.is_empty()).lanes() {
+                    found[lane].get_or_insert_with(|| Contradiction::Motion {
                         pair: *pair,
-                        enclosure,
-                        needed,
+                        enclosure: enclosure.get(lane),
+                        needed: needed.get(lane),
                     });
                 }
-                cell.z[pair.rate] = narrowed;
+                batch.boxes[pair.rate] = narrowed;
             }
         }
-        Ok(())
     }
 
     /// Begins those windows anew whose time is over.

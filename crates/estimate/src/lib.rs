@@ -1,5 +1,6 @@
 //! Set-valued estimation: the observer over a list of boxes.
 
+mod batch;
 mod cell;
 mod history;
 mod measure;

@@ -5,8 +5,9 @@
               checks the sample's"
 )]
 
-use crate::cell::Cell;
+use crate::batch::Batch;
 use crate::verdict::{Contradiction, distance};
+use veribound_interval::lanes::{Interval8, LANES, Mask};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{ExprId, Layout, Model, Sample, Tape};
 
@@ -16,7 +17,7 @@ const PASSES: usize = 2;
 #[derive(Debug, Clone)]
 struct Condition {
     tape: Tape,
-    registers: Vec<Interval>,
+    registers: Vec<Interval8>,
 }
 
 impl Condition {
@@ -26,12 +27,12 @@ impl Condition {
         Condition { tape, registers }
     }
 
-    fn value(&mut self, q: &[Interval]) -> Interval {
+    fn value(&mut self, q: &[Interval8]) -> Interval8 {
         self.tape.eval(q, &mut self.registers);
         self.tape.output(0, &self.registers)
     }
 
-    fn contract(&mut self, q: &mut [Interval], target: Interval) -> bool {
+    fn contract(&mut self, q: &mut [Interval8], target: Interval) -> Mask {
         self.tape.contract(q, target, &mut self.registers)
     }
 }
@@ -66,7 +67,7 @@ pub(crate) struct Measurements {
     layout: Layout,
     outputs: Vec<Condition>,
     witnesses: Vec<Witness>,
-    q: Vec<Interval>,
+    q: Vec<Interval8>,
 }
 
 impl Measurements {
@@ -128,27 +129,33 @@ impl Measurements {
         }
     }
 
-    /// Values of the outputs on a box.
-    pub(crate) fn outputs(&mut self, cell: &Cell, inputs: &[Interval]) -> Vec<Interval> {
-        self.set(cell, inputs);
+    /// Values of the outputs on the boxes of `batch`.
+    pub(crate) fn outputs(&mut self, batch: &Batch, inputs: &[Interval]) -> Vec<Interval8> {
+        self.set(batch, inputs);
         self.outputs
             .iter_mut()
             .map(|output| output.value(&self.q))
             .collect()
     }
 
-    fn set(&mut self, cell: &Cell, inputs: &[Interval]) {
+    fn set(&mut self, batch: &Batch, inputs: &[Interval]) {
         self.q.clear();
-        self.q.extend_from_slice(&cell.z);
-        self.q.extend_from_slice(inputs);
+        self.q.extend_from_slice(&batch.boxes);
+        self.q.extend(inputs.iter().map(|u| Interval8::splat(*u)));
     }
 
-    /// Narrows `cell` to what agrees with the sample; `Err` when nothing does.
+    /// Narrows the boxes of `batch` to what agrees with the sample; those with which nothing does
+    /// get their contradiction.
     ///
-    /// Guarantee: every point of the box at which all measured outputs lie inside their bounds and
+    /// Guarantee: every point of a box at which all measured outputs lie inside their bounds and
     /// everything the signals prove holds is kept.
-    pub(crate) fn narrow(&mut self, cell: &mut Cell, sample: &Sample) -> Result<(), Contradiction> {
-        self.set(cell, &sample.inputs);
+    pub(crate) fn narrow(
+        &mut self,
+        batch: &mut Batch,
+        sample: &Sample,
+        found: &mut [Option<Contradiction>; LANES],
+    ) {
+        self.set(batch, &sample.inputs);
         for _ in 0..PASSES {
             for (signal, witness) in self.witnesses.iter_mut().enumerate() {
                 let Some(since) = &witness.true_since else {
@@ -159,8 +166,12 @@ impl Measurements {
                 }
                 for zero in &mut witness.zero {
                     let enclosure = zero.value(&self.q);
-                    if !zero.contract(&mut self.q, Interval::ZERO) {
-                        return Err(Contradiction::Signal { signal, enclosure });
+                    let left = zero.contract(&mut self.q, Interval::ZERO);
+                    for lane in batch.lanes.without(left).lanes() {
+                        found[lane].get_or_insert_with(|| Contradiction::Signal {
+                            signal,
+                            enclosure: enclosure.get(lane),
+                        });
                     }
                 }
             }
@@ -169,19 +180,18 @@ impl Measurements {
                     continue;
                 };
                 let enclosure = condition.value(&self.q);
-                if !condition.contract(&mut self.q, measured) {
-                    let gap = distance(enclosure, measured);
-                    return Err(Contradiction::Output {
+                let left = condition.contract(&mut self.q, measured);
+                for lane in batch.lanes.without(left).lanes() {
+                    found[lane].get_or_insert_with(|| Contradiction::Output {
                         output,
-                        enclosure,
+                        enclosure: enclosure.get(lane),
                         measured,
-                        gap,
+                        gap: distance(enclosure.get(lane), measured),
                     });
                 }
             }
         }
         let kept = self.layout.states + self.layout.params;
-        cell.z.copy_from_slice(&self.q[..kept]);
-        Ok(())
+        batch.boxes.copy_from_slice(&self.q[..kept]);
     }
 }

@@ -5,6 +5,7 @@
               are checked when it comes in"
 )]
 
+use crate::batch::Batches;
 use crate::cell::{Cell, cut, insert, remove_contained};
 use crate::history::Windows;
 use crate::measure::Measurements;
@@ -13,6 +14,7 @@ use crate::options::ObserverOptions;
 use crate::split::Splitter;
 use crate::verdict::{Contradiction, Estimate, Refutation, Undecided, Verdict};
 use veribound_flow::{ModeSet, StepFailure, System, Workspace};
+use veribound_interval::lanes::LANES;
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{Model, Sample};
 
@@ -43,8 +45,7 @@ pub struct Observer {
     /// Per reset: signal, parameter, how long the signal must have lasted.
     resets: Vec<(usize, usize, Decimal)>,
     cells: Vec<Cell>,
-    spare: Vec<Cell>,
-    moved: Vec<Cell>,
+    batches: Batches,
     scale: Vec<f64>,
     held: Option<(Decimal, Vec<Interval>)>,
     samples: u64,
@@ -110,8 +111,7 @@ impl Observer {
             measurements: Measurements::new(model, layout),
             windows: Windows::new(&system, &options.windows),
             cells: vec![Cell::new(prior.clone())],
-            spare: Vec::new(),
-            moved: Vec::new(),
+            batches: Batches::default(),
             scale: vec![1.0; prior.len()],
             prior,
             resets,
@@ -295,57 +295,97 @@ impl Observer {
         inputs: &[Interval],
         dt: Interval,
     ) -> Result<(), (StepFailure, Vec<Interval>)> {
-        let states = self.system.layout().states;
-        let mut moved: Vec<Cell> = std::mem::take(&mut self.moved);
-        // With how often they were halved, and why the whole box could not be integrated.
-        let mut halves: Vec<(Cell, u32, StepFailure)> = Vec::new();
-        let mut next = 0;
-        while next < self.cells.len() || !halves.is_empty() {
-            let (mut cell, halved, whole_failed) = match halves.pop() {
-                Some((cell, halved, reason)) => (cell, halved, Some(reason)),
-                None => {
-                    let from = &self.cells[next];
-                    next += 1;
-                    // Boxes of earlier samples lend their memory.
-                    let mut cell = self.spare.pop().unwrap_or_else(|| from.clone());
-                    cell.z.clone_from(&from.z);
-                    cell.memories.clone_from(&from.memories);
-                    (cell, 0, None)
+        let mut cells = std::mem::take(&mut self.cells);
+        let failed = self.advance(&mut cells, inputs, dt);
+        let outcome = if failed.is_empty() {
+            self.cells = cells;
+            Ok(())
+        } else {
+            self.rescue_all(cells, &failed, inputs, dt)
+        };
+        self.windows.advance(dt);
+        outcome
+    }
+
+    /// Moves boxes eight at a time, those with the same modes side by side. Those that could not
+    /// be integrated stay what they were; they are returned by position, in order, with the reasons.
+    fn advance(
+        &mut self,
+        cells: &mut [Cell],
+        inputs: &[Interval],
+        dt: Interval,
+    ) -> Vec<(usize, StepFailure)> {
+        let mut failed = Vec::new();
+        let mut batches = std::mem::take(&mut self.batches);
+        self.box_steps += cells.len() as u64;
+        for batch in batches.of_alike(cells) {
+            batch.load(cells);
+            let (system, workspace) = (&self.system, &mut self.workspace);
+            let reports = system.step_eight(&mut batch.boxes, batch.lanes, inputs, dt, workspace);
+            batch.store(cells);
+            for (lane, position) in batch.positions() {
+                match reports[lane] {
+                    Ok(report) => cells[position].modes_during = report.modes_during,
+                    Err(reason) => failed.push((position, reason)),
                 }
-            };
-            self.box_steps += 1;
-            let (x, p) = cell.z.split_at_mut(states);
-            match self.system.step(x, p, inputs, dt, &mut self.workspace) {
-                Ok(report) => {
-                    cell.modes_during = report.modes_during;
-                    self.windows
-                        .extend(&mut cell, self.workspace.velocity(), dt);
-                    moved.push(cell);
-                }
-                Err(reason) => {
-                    let reason = whole_failed.unwrap_or(reason);
-                    // A smaller box may do: halve the coordinate with the largest share left.
-                    let parts = self.widest(&cell).and_then(|coordinate| {
-                        let x = cell.z[coordinate];
-                        cut(x, x.mid()).map(|parts| (coordinate, parts))
-                    });
-                    let Some((coordinate, (below, above))) = parts.filter(|_| halved < RESCUES)
-                    else {
-                        return Err((reason, self.cells[next - 1].z.clone()));
-                    };
-                    for half in [above, below] {
-                        let mut part = cell.clone();
-                        part.z[coordinate] = half;
-                        halves.push((part, halved + 1, reason));
-                    }
+            }
+            self.windows
+                .extend(cells, batch, self.workspace.velocities(), dt);
+        }
+        self.batches = batches;
+        failed.sort_by_key(|(position, _)| *position);
+        failed
+    }
+
+    /// Halves the boxes that could not be integrated, in place of each its parts.
+    fn rescue_all(
+        &mut self,
+        cells: Vec<Cell>,
+        failed: &[(usize, StepFailure)],
+        inputs: &[Interval],
+        dt: Interval,
+    ) -> Result<(), (StepFailure, Vec<Interval>)> {
+        let mut failed = failed.iter().peekable();
+        for (position, cell) in cells.into_iter().enumerate() {
+            match failed.next_if(|(failed, _)| *failed == position) {
+                None => self.cells.push(cell),
+                Some((_, reason)) => {
+                    let whole = cell.z.clone();
+                    self.rescue(cell, 0, inputs, dt)
+                        .map_err(|()| (*reason, whole))?;
                 }
             }
         }
-        std::mem::swap(&mut self.cells, &mut moved);
-        self.spare.append(&mut moved);
-        self.spare.truncate(self.cells.len());
-        self.moved = moved;
-        self.windows.advance(dt);
+        Ok(())
+    }
+
+    /// A smaller box may do: halves the coordinate with the largest share left, and adds the moved
+    /// parts to the list.
+    fn rescue(
+        &mut self,
+        cell: Cell,
+        halved: u32,
+        inputs: &[Interval],
+        dt: Interval,
+    ) -> Result<(), ()> {
+        let parts = self.widest(&cell).and_then(|coordinate| {
+            let x = cell.z[coordinate];
+            cut(x, x.mid()).map(|parts| (coordinate, parts))
+        });
+        let Some((coordinate, (below, above))) = parts.filter(|_| halved < RESCUES) else {
+            return Err(());
+        };
+        let mut halves = [cell.clone(), cell];
+        halves[0].z[coordinate] = below;
+        halves[1].z[coordinate] = above;
+        let failed = self.advance(&mut halves, inputs, dt);
+        for (position, half) in halves.into_iter().enumerate() {
+            if failed.iter().any(|(failed, _)| *failed == position) {
+                self.rescue(half, halved + 1, inputs, dt)?;
+            } else {
+                self.cells.push(half);
+            }
+        }
         Ok(())
     }
 
@@ -361,21 +401,31 @@ impl Observer {
     /// Steps 4 to 6: intersection with the sample, deletion of boxes without a point left.
     fn narrow(&mut self, sample: &Sample) -> Result<(), Contradiction> {
         let mut nearest: Option<Contradiction> = None;
-        let cells = std::mem::take(&mut self.cells);
-        for mut cell in cells {
-            let narrowed = self.measurements.narrow(&mut cell, sample);
-            match narrowed.and_then(|()| self.windows.narrow(&mut cell)) {
-                Ok(()) => self.cells.push(cell),
-                Err(found) => {
-                    if nearest
-                        .as_ref()
-                        .is_none_or(|known| found.is_nearer_than(known))
-                    {
-                        nearest = Some(found);
-                    }
+        let mut cells = std::mem::take(&mut self.cells);
+        let mut impossible = vec![false; cells.len()];
+        let mut batches = std::mem::take(&mut self.batches);
+        for batch in batches.of_neighbours(&cells) {
+            let mut found = [const { None }; LANES];
+            batch.load(&cells);
+            self.measurements.narrow(batch, sample, &mut found);
+            self.windows.narrow(&cells, batch, &mut found);
+            batch.store(&mut cells);
+            for (lane, position) in batch.positions() {
+                let Some(found) = found[lane].take() else {
+                    continue;
+                };
+                impossible[position] = true;
+                if nearest
+                    .as_ref()
+                    .is_none_or(|known| found.is_nearer_than(known))
+                {
+                    nearest = Some(found);
                 }
             }
         }
+        self.batches = batches;
+        let kept = cells.into_iter().zip(impossible).filter(|(_, gone)| !gone);
+        self.cells = kept.map(|(cell, _)| cell).collect();
         match nearest {
             Some(contradiction) if self.cells.is_empty() => Err(contradiction),
             _ => Ok(()),
@@ -432,11 +482,16 @@ impl Observer {
 
     /// Marks every box with the modes possible on it, with the input of the coming step.
     fn label(&mut self, inputs: &[Interval]) {
-        let states = self.system.layout().states;
-        for cell in &mut self.cells {
-            let (x, p) = cell.z.split_at(states);
-            cell.modes = self.system.active_modes(x, p, inputs, &mut self.workspace);
+        let mut batches = std::mem::take(&mut self.batches);
+        for batch in batches.of_neighbours(&self.cells) {
+            batch.load(&self.cells);
+            let (system, workspace) = (&self.system, &mut self.workspace);
+            let modes = system.active_modes(&batch.boxes, batch.lanes, inputs, workspace);
+            for (lane, position) in batch.positions() {
+                self.cells[position].modes = modes[lane];
+            }
         }
+        self.batches = batches;
     }
 
     /// Units in which widths are compared: the prior of a parameter, the list's own hull of a
@@ -463,13 +518,21 @@ impl Observer {
         let mut hull = vec![Interval::EMPTY; self.prior.len()];
         let mut outputs = vec![Interval::EMPTY; sample.outputs.len()];
         let mut modes = ModeSet::EMPTY;
+        let mut batches = std::mem::take(&mut self.batches);
+        for batch in batches.of_neighbours(&self.cells) {
+            batch.load(&self.cells);
+            let values = self.measurements.outputs(batch, &sample.inputs);
+            for ((all, value), measured) in outputs.iter_mut().zip(values).zip(&sample.outputs) {
+                for (lane, _) in batch.positions() {
+                    let value = value.get(lane);
+                    *all = all.hull(measured.map_or(value, |measured| value.intersect(measured)));
+                }
+            }
+        }
+        self.batches = batches;
         for cell in &self.cells {
             for (all, x) in hull.iter_mut().zip(&cell.z) {
                 *all = all.hull(*x);
-            }
-            let values = self.measurements.outputs(cell, &sample.inputs);
-            for ((all, value), measured) in outputs.iter_mut().zip(values).zip(&sample.outputs) {
-                *all = all.hull(measured.map_or(value, |measured| value.intersect(measured)));
             }
             modes = modes.union(cell.modes).union(cell.modes_during);
         }

@@ -5,10 +5,10 @@
 )]
 
 use crate::guard::InCell;
-use crate::modes::ModeSet;
+use crate::modes::ModeMasks;
 use crate::system::{Registers, System};
 use veribound_interval::Interval;
-use veribound_model::Regularity;
+use veribound_interval::lanes::{Floats, Interval8, LANES, Mask};
 
 /// Iterations before a step is called too long.
 const ROUNDS: usize = 12;
@@ -27,62 +27,88 @@ pub enum AprioriFailure {
     NoMode,
 }
 
-/// What holds on the a-priori box.
+/// What holds on the a-priori boxes.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Apriori {
     /// Encloses every state at every time of the step.
-    pub(crate) tube: Vec<Interval>,
+    pub(crate) tube: Vec<Interval8>,
     /// Encloses every velocity on the tube.
-    pub(crate) velocity: Vec<Interval>,
+    pub(crate) velocity: Vec<Interval8>,
     /// Modes that belong to the Filippov hull somewhere on the tube.
-    pub(crate) modes: ModeSet,
+    pub(crate) modes: ModeMasks,
+    /// Why there is none.
+    pub(crate) failed: [Option<AprioriFailure>; LANES],
+    start: Vec<Interval8>,
+    image: Vec<Interval8>,
+    candidate: Candidate,
+}
+
+/// Velocities and modes on a candidate box; scratch.
+#[derive(Debug, Clone, Default)]
+struct Candidate {
+    velocity: Vec<Interval8>,
+    modes: ModeMasks,
+    clipped: Vec<Interval8>,
 }
 
 impl System {
-    /// Encloses `F(q)` into `velocity`: for each state the hull of the right-hand sides of all
-    /// modes whose closed guard meets the box, each taken on the part of the box it is active on.
-    /// `clipped` is scratch. Returns those modes.
-    pub(crate) fn velocity(
+    /// Encloses `F(q)` on the boxes in `lanes`: for each state the hull of the right-hand sides of
+    /// all modes whose closed guard meets the box, each taken on the part of the box it is active
+    /// on. Returns the boxes on which that is bounded; `failed` says why the others have none.
+    fn velocity(
         &self,
-        q: &[Interval],
-        velocity: &mut [Interval],
-        clipped: &mut Vec<Interval>,
+        q: &[Interval8],
+        lanes: Mask,
+        candidate: &mut Candidate,
+        failed: &mut [Option<AprioriFailure>; LANES],
         registers: &mut Registers,
-    ) -> Result<ModeSet, AprioriFailure> {
-        velocity.fill(Interval::EMPTY);
+    ) -> Mask {
+        let Candidate {
+            velocity,
+            modes,
+            clipped,
+        } = candidate;
+        velocity.clear();
+        velocity.resize(self.layout.states, Interval8::EMPTY);
+        modes.clear(self.mode_count());
         let in_cell: InCell = None;
-        let mut modes = ModeSet::EMPTY;
+        let mut left = lanes;
+        let mut fail = |left: &mut Mask, lanes: Mask, failure: AprioriFailure| {
+            for lane in (*left & lanes).lanes() {
+                failed[lane] = Some(failure);
+            }
+            *left = left.without(lanes);
+        };
         for mode in 0..self.mode_count() {
             clipped.clear();
             clipped.extend_from_slice(q);
-            if !self
+            let active = self
                 .guards
-                .clip(mode, clipped, in_cell, &mut registers.guards)
-            {
+                .clip(mode, clipped, left, in_cell, &mut registers.guards);
+            if active.none() {
                 continue;
             }
-            modes.insert(mode);
+            modes.insert(mode, active);
             for (state, &choice) in self.choice[mode].iter().enumerate() {
                 let rhs = &self.right_hand_sides[state][choice];
                 let tape_registers = &mut registers.value[state][choice];
-                if rhs.value.eval(clipped, tape_registers) == Regularity::Undefined {
-                    return Err(AprioriFailure::Undefined { state });
-                }
+                let regular = rhs.value.eval(clipped, tape_registers);
                 let value = rhs.value.output(0, tape_registers);
-                if !value.is_bounded() {
-                    return Err(AprioriFailure::TooLong);
-                }
-                velocity[state] = velocity[state].hull(value);
+                let undefined = active.without(regular.is_defined());
+                fail(&mut left, undefined, AprioriFailure::Undefined { state });
+                let unbounded = active.without(value.is_bounded());
+                fail(&mut left, unbounded, AprioriFailure::TooLong);
+                let hull = velocity[state].hull(&value);
+                velocity[state].assign(active, &hull);
             }
         }
-        if modes.is_empty() {
-            Err(AprioriFailure::NoMode)
-        } else {
-            Ok(modes)
-        }
+        let without_mode = left.without(modes.any());
+        fail(&mut left, without_mode, AprioriFailure::NoMode);
+        left
     }
 
-    /// Finds a box that contains every solution from the states in `q` for all times in `[0, dt]`.
+    /// Finds boxes that contain every solution from the states in `q` for all times in `[0, dt]`.
+    /// Returns the lanes for which it did.
     ///
     /// Steps 1 and 2 of the talk's method: the candidate grows until Picard's operator for the
     /// union of all modes that are active on the candidate maps it into its own interior; modes
@@ -94,55 +120,67 @@ impl System {
     /// *closed* guards makes F upper semicontinuous, so solutions exist.
     pub(crate) fn apriori(
         &self,
-        q: &mut [Interval],
+        q: &mut [Interval8],
+        lanes: Mask,
         dt: Interval,
         result: &mut Apriori,
-        clipped: &mut Vec<Interval>,
         registers: &mut Registers,
-    ) -> Result<(), AprioriFailure> {
+    ) -> Mask {
         let n = self.layout.states;
-        let span = Interval::ZERO.hull(dt);
-        let start: &mut Vec<Interval> = &mut result.tube;
+        let span = Interval8::splat(Interval::ZERO.hull(dt));
+        let Apriori {
+            tube,
+            velocity,
+            modes,
+            failed,
+            start,
+            image,
+            candidate,
+        } = result;
         start.clear();
         start.extend_from_slice(&q[..n]);
-        result.velocity.resize(n, Interval::EMPTY);
-        let mut outcome = Err(AprioriFailure::TooLong);
+        for list in [&mut *tube, &mut *velocity, &mut *image] {
+            list.resize(n, Interval8::EMPTY);
+        }
+        modes.clear(self.mode_count());
+        *failed = [Some(AprioriFailure::TooLong); LANES];
+        let mut open = lanes;
         for _ in 0..ROUNDS {
-            match self.velocity(q, &mut result.velocity, clipped, registers) {
-                Ok(modes) => result.modes = modes,
-                Err(failure) => {
-                    outcome = Err(failure);
-                    break;
-                }
+            open = self.velocity(q, open, candidate, failed, registers);
+            let mut proved = open;
+            for i in 0..n {
+                image[i] = start[i] + span * candidate.velocity[i];
+                proved &= image[i].is_interior_of(&q[i]);
             }
-            let mapped = |i: usize, velocity: &[Interval]| start[i] + span * velocity[i];
-            if (0..n).all(|i| mapped(i, &result.velocity).is_interior_of(q[i])) {
-                outcome = Ok(());
+            for i in 0..n {
+                tube[i].assign(proved, &image[i]);
+                velocity[i].assign(proved, &candidate.velocity[i]);
+            }
+            modes.assign(proved, &candidate.modes);
+            for lane in proved.lanes() {
+                failed[lane] = None;
+            }
+            open = open.without(proved);
+            if open.none() {
                 break;
             }
             for i in 0..n {
-                let image = mapped(i, &result.velocity);
-                q[i] = inflated(image, start[i]);
+                let grown = inflated(&image[i], &start[i]);
+                q[i].assign(open, &grown);
             }
         }
-        if outcome.is_ok() {
-            for i in 0..n {
-                q[i] = start[i] + span * result.velocity[i];
-            }
-            result.tube.swap_with_slice(&mut q[..n]);
-            // `q` again holds the start box; `tube` the enclosure for all times.
-        } else {
-            q[..n].copy_from_slice(start);
-        }
-        outcome
+        q[..n].copy_from_slice(start);
+        Mask::from_fn(|lane| lanes.get(lane) && failed[lane].is_none())
     }
 }
 
 /// A little more than `image`: a tenth of its growth over the start box, and enough to have an
 /// interior.
-fn inflated(image: Interval, start: Interval) -> Interval {
-    let growth = 0.1 * (image.width() - start.width()).max(0.0);
-    let least = 1e-12 * image.mag() + 1e-150;
-    let reach = growth + least;
-    Interval::new(-reach, reach).map_or(Interval::ENTIRE, |more| image + more)
+fn inflated(image: &Interval8, start: &Interval8) -> Interval8 {
+    let (after, before, size) = (image.width(), start.width(), image.mag());
+    let reach: Floats = std::array::from_fn(|lane| {
+        let growth = 0.1 * (after[lane] - before[lane]).max(0.0);
+        growth + (1e-12 * size[lane] + 1e-150)
+    });
+    *image + Interval8::between(reach.map(|r| -r), reach)
 }

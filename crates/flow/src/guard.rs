@@ -9,7 +9,8 @@
     reason = "PROOF: indices were made by `Guards::compile` from the same model and layout"
 )]
 
-use veribound_interval::{Interval, Truth};
+use veribound_interval::Interval;
+use veribound_interval::lanes::{Interval8, Lanewise, Mask};
 use veribound_model::{ExprId, Graph, Guard, Layout, Relation, Tape};
 
 /// A guard compiled for boxes.
@@ -79,11 +80,18 @@ pub(crate) struct Guards {
 /// Scratch for [`Guards`].
 #[derive(Debug, Clone)]
 pub(crate) struct GuardRegisters {
-    tapes: Vec<Vec<Interval>>,
-    spare: Vec<Vec<Interval>>,
+    tapes: Vec<Vec<Interval8>>,
+    spare: Vec<Vec<Interval8>>,
 }
 
-/// State `0` is known to lie in cell `1` of its axis.
+/// Where a condition holds on the whole box, and where nowhere on it.
+#[derive(Debug, Clone, Copy)]
+struct Decision {
+    certain: Mask,
+    impossible: Mask,
+}
+
+/// State `0` of every box is known to lie in cell `1` of its axis.
 pub(crate) type InCell = Option<(usize, usize)>;
 
 struct Builder<'a> {
@@ -180,30 +188,30 @@ fn mirrored(relation: Relation) -> Relation {
     }
 }
 
-/// Whether some value in `difference` compares to zero as `relation` says, boundaries included.
-fn closed(difference: Interval, relation: Relation) -> bool {
-    if difference.is_empty() {
-        return true;
-    }
-    match relation {
-        Relation::Less | Relation::LessEqual => difference.lo() <= 0.0,
-        Relation::Greater | Relation::GreaterEqual => difference.hi() >= 0.0,
-        Relation::Equal => difference.contains(0.0),
-        Relation::NotEqual => true,
-    }
+/// Where some value in `difference` compares to zero as `relation` says, boundaries included.
+fn closed(difference: &Interval8, relation: Relation) -> Mask {
+    let (lo, hi) = (difference.lo(), difference.hi());
+    let possible = match relation {
+        Relation::Less | Relation::LessEqual => Mask::from_fn(|lane| lo[lane] <= 0.0),
+        Relation::Greater | Relation::GreaterEqual => Mask::from_fn(|lane| hi[lane] >= 0.0),
+        Relation::Equal => difference.contains_zero(),
+        Relation::NotEqual => Mask::ALL,
+    };
+    possible | difference.is_empty()
 }
 
-/// Whether some value in `difference` compares to zero exactly as `relation` says.
-fn strict(difference: Interval, relation: Relation) -> bool {
-    if difference.is_empty() {
-        return true;
-    }
-    match relation {
-        Relation::Less => difference.lo() < 0.0,
-        Relation::Greater => difference.hi() > 0.0,
-        Relation::NotEqual => difference.lo() < 0.0 || difference.hi() > 0.0,
-        inclusive => closed(difference, inclusive),
-    }
+/// Where some value in `difference` compares to zero exactly as `relation` says.
+fn strict(difference: &Interval8, relation: Relation) -> Mask {
+    let (lo, hi) = (difference.lo(), difference.hi());
+    let below = Mask::from_fn(|lane| lo[lane] < 0.0);
+    let above = Mask::from_fn(|lane| hi[lane] > 0.0);
+    let possible = match relation {
+        Relation::Less => below,
+        Relation::Greater => above,
+        Relation::NotEqual => below | above,
+        inclusive => return closed(difference, inclusive),
+    };
+    possible | difference.is_empty()
 }
 
 /// The values that satisfy `relation` to zero, boundaries included.
@@ -246,62 +254,89 @@ impl Guards {
 
     /// Values of a comparison on `q`; everything where it is not defined on all of `q`, because the
     /// closure of its region may contain points at which it is not defined.
-    fn difference(&self, tape: usize, q: &[Interval], registers: &mut GuardRegisters) -> Interval {
+    fn difference(
+        &self,
+        tape: usize,
+        q: &[Interval8],
+        registers: &mut GuardRegisters,
+    ) -> Interval8 {
         let registers = &mut registers.tapes[tape];
-        let regularity = self.tapes[tape].eval(q, registers);
-        if regularity == veribound_model::Regularity::Undefined {
-            return Interval::ENTIRE;
-        }
-        self.tapes[tape].output(0, registers)
+        let regular = self.tapes[tape].eval(q, registers);
+        let value = self.tapes[tape].output(0, registers);
+        value.or_else(regular.is_defined(), &Interval8::ENTIRE)
     }
 
-    /// Strict reading of the guard of `mode` on the box `q`.
+    /// Strict reading of the guard of `mode`: the boxes on which it holds somewhere.
     pub(crate) fn holds_somewhere(
         &self,
         mode: usize,
-        q: &[Interval],
+        q: &[Interval8],
         registers: &mut GuardRegisters,
-    ) -> bool {
+    ) -> Mask {
         self.strict(&self.conditions[mode], q, registers)
     }
 
-    fn strict(&self, condition: &Condition, q: &[Interval], r: &mut GuardRegisters) -> bool {
+    fn strict(&self, condition: &Condition, q: &[Interval8], r: &mut GuardRegisters) -> Mask {
         match condition {
-            Condition::Always => true,
+            Condition::Always => Mask::ALL,
             Condition::Level {
                 state,
                 zone,
                 relation,
-            } => strict(q[*state] - self.levels[*state].zones[*zone], *relation),
-            Condition::General { tape, relation } => {
-                strict(self.difference(*tape, q, r), *relation)
+            } => {
+                let zone = Interval8::splat(self.levels[*state].zones[*zone]);
+                strict(&(q[*state] - zone), *relation)
             }
-            Condition::All(parts) => parts.iter().all(|part| self.strict(part, q, r)),
-            Condition::Any(parts) => parts.iter().any(|part| self.strict(part, q, r)),
+            Condition::General { tape, relation } => {
+                strict(&self.difference(*tape, q, r), *relation)
+            }
+            Condition::All(parts) => {
+                let mut all = Mask::ALL;
+                for part in parts {
+                    if all.none() {
+                        break;
+                    }
+                    all &= self.strict(part, q, r);
+                }
+                all
+            }
+            Condition::Any(parts) => {
+                let mut any = Mask::NONE;
+                for part in parts {
+                    if any.all() {
+                        break;
+                    }
+                    any |= self.strict(part, q, r);
+                }
+                any
+            }
         }
     }
 
-    /// Closed reading: cuts `q` down to a box that contains every point of it in the closure of
-    /// the guard's region of `mode`; false when there is none (`q` is then meaningless).
+    /// Closed reading: cuts the boxes in `lanes` down to ones that contain every point in the
+    /// closure of the guard's region of `mode`. Returns those that have such a point; the others
+    /// are then meaningless.
     pub(crate) fn clip(
         &self,
         mode: usize,
-        q: &mut [Interval],
+        q: &mut [Interval8],
+        lanes: Mask,
         in_cell: InCell,
         registers: &mut GuardRegisters,
-    ) -> bool {
-        self.clip_condition(&self.conditions[mode], q, in_cell, registers)
+    ) -> Mask {
+        self.clip_condition(&self.conditions[mode], q, lanes, in_cell, registers)
     }
 
     fn clip_condition(
         &self,
         condition: &Condition,
-        q: &mut [Interval],
+        q: &mut [Interval8],
+        lanes: Mask,
         in_cell: InCell,
         registers: &mut GuardRegisters,
-    ) -> bool {
+    ) -> Mask {
         match condition {
-            Condition::Always => true,
+            Condition::Always => lanes,
             Condition::Level {
                 state,
                 zone,
@@ -310,150 +345,175 @@ impl Guards {
                 if let Some((known, cell)) = in_cell
                     && known == *state
                 {
-                    return in_cell_relation(cell, 2 * zone + 1, *relation);
+                    return lanes & Mask::splat(in_cell_relation(cell, 2 * zone + 1, *relation));
                 }
                 let allowed = allowed(self.levels[*state].zones[*zone], *relation);
-                q[*state] = q[*state].intersect(allowed);
-                !q[*state].is_empty()
+                q[*state] = q[*state].intersect(&Interval8::splat(allowed));
+                lanes.without(q[*state].is_empty())
             }
             Condition::General { tape, relation } => {
-                let difference = self.difference(*tape, q, registers);
-                if !closed(difference, *relation) {
-                    return false;
-                }
-                let region = closed_region(*relation);
-                if difference.is_subset_of(region) || difference == Interval::ENTIRE {
-                    return true;
-                }
-                let tape_registers = &mut registers.tapes[*tape];
-                match in_cell {
-                    // A face keeps its own coordinate: only its mode question is asked.
-                    Some((state, _)) => {
-                        let own = q[state];
-                        let possible = self.tapes[*tape].contract(q, region, tape_registers);
-                        q[state] = own;
-                        possible
-                    }
-                    None => self.tapes[*tape].contract(q, region, tape_registers),
-                }
+                self.clip_general(*tape, *relation, q, lanes, in_cell, registers)
             }
-            Condition::All(parts) => parts
-                .iter()
-                .all(|part| self.clip_condition(part, q, in_cell, registers)),
-            Condition::Any(parts) => self.clip_any(parts, q, in_cell, registers),
+            Condition::All(parts) => parts.iter().fold(lanes, |left, part| {
+                if left.none() {
+                    left
+                } else {
+                    self.clip_condition(part, q, left, in_cell, registers)
+                }
+            }),
+            Condition::Any(parts) => self.clip_any(parts, q, lanes, in_cell, registers),
         }
     }
 
-    /// Hull of what each alternative leaves of `q`.
+    fn clip_general(
+        &self,
+        tape: usize,
+        relation: Relation,
+        q: &mut [Interval8],
+        lanes: Mask,
+        in_cell: InCell,
+        registers: &mut GuardRegisters,
+    ) -> Mask {
+        let difference = self.difference(tape, q, registers);
+        let possible = lanes & closed(&difference, relation);
+        let region = closed_region(relation);
+        let entire = Mask::from_fn(|lane| difference.get(lane) == Interval::ENTIRE);
+        let whole = difference.is_subset_of(&Interval8::splat(region)) | entire;
+        let cut = possible.without(whole);
+        if cut.none() {
+            return possible;
+        }
+        let mut before = registers.spare.pop().unwrap_or_default();
+        before.clear();
+        before.extend_from_slice(q);
+        let left = self.tapes[tape].contract(q, region, &mut registers.tapes[tape]);
+        for (q, before) in q.iter_mut().zip(&before) {
+            q.assign(!cut, before);
+        }
+        // A face keeps its own coordinate: only its mode question is asked.
+        if let Some((state, _)) = in_cell {
+            q[state] = before[state];
+        }
+        registers.spare.push(before);
+        possible & (left | !cut)
+    }
+
+    /// Hull of what each alternative leaves of the boxes.
     fn clip_any(
         &self,
         parts: &[Condition],
-        q: &mut [Interval],
+        q: &mut [Interval8],
+        lanes: Mask,
         in_cell: InCell,
         registers: &mut GuardRegisters,
-    ) -> bool {
-        // One alternative that holds everywhere leaves all of it; one that is alone needs no copy.
-        let mut open = None;
-        let mut several = false;
+    ) -> Mask {
+        // One alternative that holds everywhere leaves all of a box.
+        let mut certain = Mask::NONE;
         for part in parts {
-            match self.decide(part, q, in_cell, registers) {
-                Truth::True => return true,
-                Truth::False => {}
-                Truth::Unknown => {
-                    several |= open.is_some();
-                    open = Some(part);
-                }
+            certain |= self.decide(part, q, in_cell, registers).certain;
+            if lanes.without(certain).none() {
+                return lanes;
             }
         }
-        match open {
-            None => return false,
-            Some(part) if !several => return self.clip_condition(part, q, in_cell, registers),
-            Some(_) => {}
-        }
+        let open = lanes.without(certain);
         let mut whole = registers.spare.pop().unwrap_or_default();
         whole.clear();
         whole.extend_from_slice(q);
         let mut hull = registers.spare.pop().unwrap_or_default();
         hull.clear();
+        hull.resize(q.len(), Interval8::EMPTY);
+        let mut possible = Mask::NONE;
         for part in parts {
             q.copy_from_slice(&whole);
-            if !self.clip_condition(part, q, in_cell, registers) {
+            let left = self.clip_condition(part, q, open, in_cell, registers);
+            if left.none() {
                 continue;
             }
-            if hull.is_empty() {
-                hull.extend_from_slice(q);
-            } else {
-                for (h, x) in hull.iter_mut().zip(q.iter()) {
-                    *h = h.hull(*x);
-                }
+            for (h, x) in hull.iter_mut().zip(q.iter()) {
+                let joined = h.hull(x);
+                h.assign(left, &joined);
             }
+            possible |= left;
         }
-        let possible = !hull.is_empty();
-        if possible {
-            q.copy_from_slice(&hull);
+        for ((q, hull), whole) in q.iter_mut().zip(&hull).zip(&whole) {
+            *q = hull.or_else(open, whole);
         }
         registers.spare.push(whole);
         registers.spare.push(hull);
-        possible
+        possible | (lanes & certain)
     }
 
-    /// Closed reading: true on all of `q`, false on all of it, or not known.
+    /// Closed reading: true on all of a box, false on all of it, or not known.
     fn decide(
         &self,
         condition: &Condition,
-        q: &[Interval],
+        q: &[Interval8],
         in_cell: InCell,
         registers: &mut GuardRegisters,
-    ) -> Truth {
-        let of = |possible: bool, certain: bool| match (possible, certain) {
-            (false, _) => Truth::False,
-            (true, true) => Truth::True,
-            (true, false) => Truth::Unknown,
-        };
+    ) -> Decision {
         match condition {
-            Condition::Always => Truth::True,
+            Condition::Always => Decision {
+                certain: Mask::ALL,
+                impossible: Mask::NONE,
+            },
             Condition::Level {
                 state,
                 zone,
                 relation,
             } => match in_cell {
-                Some((known, cell)) if known == *state => of(
-                    in_cell_relation(cell, 2 * zone + 1, *relation),
-                    cell != 2 * zone + 1,
-                ),
+                Some((known, cell)) if known == *state => {
+                    let possible = in_cell_relation(cell, 2 * zone + 1, *relation);
+                    Decision {
+                        certain: Mask::splat(possible && cell != 2 * zone + 1),
+                        impossible: Mask::splat(!possible),
+                    }
+                }
                 _ => {
                     let allowed = allowed(self.levels[*state].zones[*zone], *relation);
-                    of(
-                        q[*state].intersects(allowed),
-                        q[*state].is_subset_of(allowed),
-                    )
+                    let allowed = Interval8::splat(allowed);
+                    let impossible = !q[*state].intersects(&allowed);
+                    Decision {
+                        certain: q[*state].is_subset_of(&allowed).without(impossible),
+                        impossible,
+                    }
                 }
             },
             Condition::General { tape, relation } => {
                 let difference = self.difference(*tape, q, registers);
-                let region = closed_region(*relation);
-                of(
-                    closed(difference, *relation),
-                    difference.is_subset_of(region),
-                )
+                let region = Interval8::splat(closed_region(*relation));
+                let impossible = !closed(&difference, *relation);
+                Decision {
+                    certain: difference.is_subset_of(&region).without(impossible),
+                    impossible,
+                }
             }
             Condition::All(parts) => {
-                let mut all = Truth::True;
+                let mut all = Decision {
+                    certain: Mask::ALL,
+                    impossible: Mask::NONE,
+                };
                 for part in parts {
-                    match self.decide(part, q, in_cell, registers) {
-                        Truth::False => return Truth::False,
-                        part => all = all.and(part),
+                    if all.impossible.all() {
+                        break;
                     }
+                    let part = self.decide(part, q, in_cell, registers);
+                    all.certain &= part.certain;
+                    all.impossible |= part.impossible;
                 }
                 all
             }
             Condition::Any(parts) => {
-                let mut any = Truth::False;
+                let mut any = Decision {
+                    certain: Mask::NONE,
+                    impossible: Mask::ALL,
+                };
                 for part in parts {
-                    match self.decide(part, q, in_cell, registers) {
-                        Truth::True => return Truth::True,
-                        part => any = any.or(part),
+                    if any.certain.all() {
+                        break;
                     }
+                    let part = self.decide(part, q, in_cell, registers);
+                    any.certain |= part.certain;
+                    any.impossible &= part.impossible;
                 }
                 any
             }

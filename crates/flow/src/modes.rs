@@ -1,5 +1,7 @@
 //! Sets of modes.
 
+use veribound_interval::lanes::{LANES, Mask};
+
 /// A set of modes of one model, by their position in [`veribound_model::Model::modes`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct ModeSet([u64; 4]);
@@ -57,6 +59,59 @@ impl ModeSet {
                 Some(position * 64 + bit)
             })
         })
+    }
+}
+
+/// Sets of modes of eight boxes side by side: for every mode, the boxes that have it.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct ModeMasks(Vec<Mask>);
+
+impl ModeMasks {
+    /// No mode of `count`, on any box.
+    pub(crate) fn clear(&mut self, count: usize) {
+        self.0.clear();
+        self.0.resize(count, Mask::NONE);
+    }
+
+    /// Adds a mode to some boxes.
+    pub(crate) fn insert(&mut self, mode: usize, lanes: Mask) {
+        if let Some(mask) = self.0.get_mut(mode) {
+            *mask |= lanes;
+        }
+    }
+
+    /// Takes over the sets of some boxes.
+    pub(crate) fn assign(&mut self, lanes: Mask, other: &ModeMasks) {
+        for (mask, new) in self.0.iter_mut().zip(&other.0) {
+            *mask = mask.without(lanes) | (*new & lanes);
+        }
+    }
+
+    /// The modes that some of `lanes` have, and which of them.
+    pub(crate) fn on(&self, lanes: Mask) -> impl Iterator<Item = (usize, Mask)> + '_ {
+        self.0
+            .iter()
+            .map(move |mask| *mask & lanes)
+            .enumerate()
+            .filter(|(_, mask)| !mask.none())
+    }
+
+    /// The boxes that have some mode.
+    pub(crate) fn any(&self) -> Mask {
+        self.0.iter().fold(Mask::NONE, |all, mask| all | *mask)
+    }
+
+    /// The set of every box.
+    pub(crate) fn sets(&self) -> [ModeSet; LANES] {
+        let mut sets = [ModeSet::EMPTY; LANES];
+        for (mode, mask) in self.0.iter().enumerate() {
+            for (lane, set) in sets.iter_mut().enumerate() {
+                if mask.get(lane) {
+                    set.insert(mode);
+                }
+            }
+        }
+        sets
     }
 }
 

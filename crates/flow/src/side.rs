@@ -1,5 +1,6 @@
 //! Lower and upper bounds treated by one piece of code.
 
+use veribound_interval::lanes::{Floats, Interval8};
 use veribound_interval::{Interval, round};
 
 /// Which bound of an interval. *Out* is away from the interval: down for the lower bound, up for
@@ -53,13 +54,20 @@ impl Side {
         self.other().outer(a, b)
     }
 
-    /// From `a` out to `b`; empty when `b` lies further in than `a`.
-    pub(crate) fn between(self, a: f64, b: f64) -> Interval {
-        let (lo, hi) = match self {
-            Side::Lower => (b, a),
-            Side::Upper => (a, b),
-        };
-        Interval::new(lo, hi).unwrap_or(Interval::EMPTY)
+    /// The ends of `x` on this side.
+    pub(crate) fn ends(self, x: &Interval8) -> Floats {
+        match self {
+            Side::Lower => x.lo(),
+            Side::Upper => x.hi(),
+        }
+    }
+
+    /// From `a` out to `b`; empty where `b` lies further in than `a`.
+    pub(crate) fn between(self, a: &Floats, b: &Floats) -> Interval8 {
+        match self {
+            Side::Lower => Interval8::between(*b, *a),
+            Side::Upper => Interval8::between(*a, *b),
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! One step of validated integration for a box of states and parameters.
+//! One step of validated integration for boxes of states and parameters, eight at a time.
 #![allow(
     clippy::indexing_slicing,
     reason = "PROOF: a workspace's slices have the lengths of its system's layout"
@@ -6,9 +6,10 @@
 
 use crate::apriori::{Apriori, AprioriFailure};
 use crate::face::{Faces, Step};
-use crate::modes::ModeSet;
+use crate::modes::{ModeMasks, ModeSet};
 use crate::system::{Registers, System};
 use veribound_interval::Interval;
+use veribound_interval::lanes::{Interval8, LANES, Mask};
 
 /// A gap between two samples is divided into at most this many steps, before halvings, so that the
 /// time per sample stays bounded.
@@ -67,13 +68,16 @@ pub struct StepReport {
 #[derive(Debug, Clone)]
 pub struct Workspace {
     options: StepOptions,
-    q: Vec<Interval>,
+    q: Vec<Interval8>,
     apriori: Apriori,
-    clipped: Vec<Interval>,
     registers: Registers,
     faces: Faces,
-    end: Vec<Interval>,
-    part_tube: Vec<Interval>,
+    modes: ModeMasks,
+    divisions: Vec<Division>,
+    end: Vec<Interval8>,
+    part_tube: Vec<Interval8>,
+    tubes: Vec<Interval8>,
+    velocities: Vec<Interval8>,
     tube: Vec<Interval>,
     velocity: Vec<Interval>,
 }
@@ -85,17 +89,21 @@ impl Workspace {
             order: options.order.clamp(1, 12),
             ..options
         };
+        let states = system.layout.states;
         Workspace {
             options,
-            q: vec![Interval::ZERO; system.layout.len()],
+            q: vec![Interval8::ZERO; system.layout.len()],
             apriori: Apriori::default(),
-            clipped: Vec::new(),
             registers: system.registers(options.order + 1),
             faces: Faces::new(system, options.order),
-            end: vec![Interval::ZERO; system.layout.states],
-            part_tube: vec![Interval::ZERO; system.layout.states],
-            tube: vec![Interval::ZERO; system.layout.states],
-            velocity: vec![Interval::ZERO; system.layout.states],
+            modes: ModeMasks::default(),
+            divisions: Vec::new(),
+            end: vec![Interval8::ZERO; states],
+            part_tube: vec![Interval8::ZERO; states],
+            tubes: vec![Interval8::ZERO; states],
+            velocities: vec![Interval8::ZERO; states],
+            tube: vec![Interval::ZERO; states],
+            velocity: vec![Interval::ZERO; states],
         }
     }
 
@@ -109,6 +117,25 @@ impl Workspace {
     pub fn velocity(&self) -> &[Interval] {
         &self.velocity
     }
+
+    /// After [`System::step_eight`]: as [`Workspace::tube`], for every box.
+    pub fn tubes(&self) -> &[Interval8] {
+        &self.tubes
+    }
+
+    /// After [`System::step_eight`]: as [`Workspace::velocity`], for every box.
+    pub fn velocities(&self) -> &[Interval8] {
+        &self.velocities
+    }
+}
+
+/// Boxes whose step is under way in parts of equal length, `done` of `parts` behind them.
+#[derive(Debug, Clone)]
+struct Division {
+    lanes: Mask,
+    parts: u64,
+    done: u64,
+    halvings: u32,
 }
 
 impl System {
@@ -119,7 +146,7 @@ impl System {
     /// of the model lies in the new `states` at the end and in [`Workspace::tube`] at all times
     /// between. On failure `states` is unchanged.
     ///
-    /// Cost: one a-priori box and two bounds per state; no allocation.
+    /// Cost: that of [`System::step_eight`].
     pub fn step(
         &self,
         states: &mut [Interval],
@@ -128,64 +155,122 @@ impl System {
         dt: Interval,
         workspace: &mut Workspace,
     ) -> Result<StepReport, StepFailure> {
+        let splat = |x: &Interval| Interval8::splat(*x);
+        let mut boxes: Vec<Interval8> = states.iter().chain(params).map(splat).collect();
+        let [report, ..] = self.step_eight(&mut boxes, Mask::lane(0), inputs, dt, workspace);
+        let w = workspace;
+        let first = |to: &mut [Interval], from: &[Interval8]| {
+            for (to, from) in to.iter_mut().zip(from) {
+                *to = from.get(0);
+            }
+        };
+        first(states, &boxes);
+        first(&mut w.tube, &w.tubes);
+        first(&mut w.velocity, &w.velocities);
+        report
+    }
+
+    /// Moves the boxes in `lanes` over `dt` seconds. `boxes` holds the states, then the parameters.
+    ///
+    /// Guarantee: that of [`System::step`] for every box; what becomes of one does not depend on
+    /// its neighbours. The results of the other lanes mean nothing.
+    ///
+    /// Cost: one a-priori box and two bounds per state for all eight boxes together; no allocation.
+    pub fn step_eight(
+        &self,
+        boxes: &mut [Interval8],
+        lanes: Mask,
+        inputs: &[Interval],
+        dt: Interval,
+        workspace: &mut Workspace,
+    ) -> [Result<StepReport, StepFailure>; LANES] {
         let n = self.layout.states;
         let w = workspace;
-        w.q[..n].copy_from_slice(states);
-        w.q[n..n + self.layout.params].copy_from_slice(params);
-        w.q[n + self.layout.params..].copy_from_slice(inputs);
-        w.tube.copy_from_slice(states);
-        w.velocity.fill(Interval::EMPTY);
+        w.load(boxes, inputs);
+        w.tubes.copy_from_slice(&boxes[..n]);
+        w.velocities.fill(Interval8::EMPTY);
+        let mut failed = [None; LANES];
         let least_parts = (dt.hi() / w.options.longest).ceil().clamp(1.0, MOST_PARTS) as u64;
-        let mut parts = least_parts;
-        let mut done = 0_u64;
-        let mut halvings = 0;
-        // Parts of equal length: `done` of `parts` are behind. Halving doubles both.
-        while done < parts {
-            let part = if parts == 1 {
-                dt
-            } else {
-                dt / Interval::point(parts as f64)
-            };
-            match self.single_step(part, w) {
-                Ok(()) => {
-                    done += 1;
-                    for (all, now) in w.tube.iter_mut().zip(&w.part_tube) {
-                        *all = all.hull(*now);
-                    }
-                    for (all, now) in w.velocity.iter_mut().zip(&w.apriori.velocity) {
-                        *all = all.hull(*now);
-                    }
+        w.divisions.clear();
+        w.divisions.push(Division {
+            lanes,
+            parts: least_parts,
+            done: 0,
+            halvings: 0,
+        });
+        // Boxes that need shorter parts go on by themselves.
+        while let Some(mut now) = w.divisions.pop() {
+            while now.done < now.parts && !now.lanes.none() {
+                let part = if now.parts == 1 {
+                    dt
+                } else {
+                    dt / Interval::point(now.parts as f64)
+                };
+                let moved = self.single_step(part, now.lanes, w, &mut failed);
+                now.done += 1;
+                for state in 0..n {
+                    let tube = w.tubes[state].hull(&w.part_tube[state]);
+                    w.tubes[state].assign(moved, &tube);
+                    let velocity = w.velocities[state].hull(&w.apriori.velocity[state]);
+                    w.velocities[state].assign(moved, &velocity);
                 }
-                Err(StepFailure::Apriori(_)) if halvings < w.options.halvings => {
-                    halvings += 1;
-                    parts *= 2;
-                    done *= 2;
+                let again = if now.halvings < w.options.halvings {
+                    let halve = |lane: usize| matches!(failed[lane], Some(StepFailure::Apriori(_)));
+                    now.lanes.without(moved) & Mask::from_fn(halve)
+                } else {
+                    Mask::NONE
+                };
+                if !again.none() {
+                    for lane in again.lanes() {
+                        failed[lane] = None;
+                    }
+                    w.divisions.push(Division {
+                        lanes: again,
+                        parts: 2 * now.parts,
+                        done: 2 * (now.done - 1),
+                        halvings: now.halvings + 1,
+                    });
                 }
-                Err(failure) => return Err(failure),
+                now.lanes = moved;
             }
         }
-        states.copy_from_slice(&w.q[..n]);
-        w.q[..n].copy_from_slice(&w.tube);
-        Ok(StepReport {
-            modes_during: self.modes_on(&w.q, &mut w.registers),
+        let moved = lanes & Mask::from_fn(|lane| failed[lane].is_none());
+        for (x, end) in boxes.iter_mut().zip(&w.q[..n]) {
+            x.assign(moved, end);
+        }
+        w.q[..n].copy_from_slice(&w.tubes);
+        self.modes_on(&w.q, moved, &mut w.modes, &mut w.registers);
+        let modes = w.modes.sets();
+        std::array::from_fn(|lane| match failed[lane] {
+            Some(failure) => Err(failure),
+            None => Ok(StepReport {
+                modes_during: modes[lane],
+            }),
         })
     }
 
-    /// One step without division; on success the states in `w.q` are moved.
-    fn single_step(&self, dt: Interval, w: &mut Workspace) -> Result<(), StepFailure> {
+    /// One step without division: moves the states in `w.q` of the returned lanes; `failed` says
+    /// what is with the others.
+    fn single_step(
+        &self,
+        dt: Interval,
+        lanes: Mask,
+        w: &mut Workspace,
+        failed: &mut [Option<StepFailure>; LANES],
+    ) -> Mask {
         let n = self.layout.states;
-        self.apriori(
-            &mut w.q,
-            dt,
-            &mut w.apriori,
-            &mut w.clipped,
-            &mut w.registers,
-        )
-        .map_err(StepFailure::Apriori)?;
+        let enclosed = self.apriori(&mut w.q, lanes, dt, &mut w.apriori, &mut w.registers);
+        for lane in lanes.without(enclosed).lanes() {
+            failed[lane] = w.apriori.failed[lane].map(StepFailure::Apriori);
+        }
+        if enclosed.none() {
+            return enclosed;
+        }
         let step = Step {
             q: &w.q,
             dt,
             apriori: &w.apriori,
+            lanes: enclosed,
         };
         self.move_faces(
             &step,
@@ -194,38 +279,63 @@ impl System {
             &mut w.end,
             &mut w.part_tube,
         );
-        if w.end.iter().any(|x| x.is_empty() || !x.is_bounded()) {
-            return Err(StepFailure::Unbounded);
+        let mut moved = enclosed;
+        let mut fail = |moved: &mut Mask, lanes: Mask, failure: StepFailure| {
+            for lane in (*moved & lanes).lanes() {
+                failed[lane] = Some(failure);
+            }
+            *moved = moved.without(lanes);
+        };
+        for end in &w.end {
+            fail(&mut moved, !end.is_bounded(), StepFailure::Unbounded);
         }
         if let Some(domain) = &self.domain {
-            let outside = |x: &[Interval], allowed: &[Interval]| {
-                x.iter()
-                    .zip(allowed)
-                    .position(|(x, allowed)| !x.is_subset_of(*allowed))
-            };
-            if let Some(state) = outside(&w.part_tube, &domain.states) {
-                return Err(StepFailure::LeavesDomain { state });
+            let inputs = &w.q[n + self.layout.params..];
+            for (state, (x, allowed)) in w.part_tube.iter().zip(&domain.states).enumerate() {
+                let outside = !x.is_subset_of(&Interval8::splat(*allowed));
+                fail(&mut moved, outside, StepFailure::LeavesDomain { state });
             }
-            if let Some(input) = outside(&w.q[n + self.layout.params..], &domain.inputs) {
-                return Err(StepFailure::InputOutsideDomain { input });
+            for (input, (x, allowed)) in inputs.iter().zip(&domain.inputs).enumerate() {
+                let outside = !x.is_subset_of(&Interval8::splat(*allowed));
+                fail(
+                    &mut moved,
+                    outside,
+                    StepFailure::InputOutsideDomain { input },
+                );
             }
         }
-        w.q[..n].copy_from_slice(&w.end);
-        Ok(())
+        for (x, end) in w.q.iter_mut().zip(&w.end) {
+            x.assign(moved, end);
+        }
+        moved
     }
 
-    /// The modes whose guard, as written, holds somewhere on a box (talk, 1.3).
+    /// The modes whose guard, as written, holds somewhere on the boxes in `lanes` (talk, 1.3);
+    /// `boxes` holds the states, then the parameters.
     pub fn active_modes(
         &self,
-        states: &[Interval],
-        params: &[Interval],
+        boxes: &[Interval8],
+        lanes: Mask,
         inputs: &[Interval],
         workspace: &mut Workspace,
-    ) -> ModeSet {
-        let n = self.layout.states;
-        workspace.q[..n].copy_from_slice(states);
-        workspace.q[n..n + self.layout.params].copy_from_slice(params);
-        workspace.q[n + self.layout.params..].copy_from_slice(inputs);
-        self.modes_on(&workspace.q, &mut workspace.registers)
+    ) -> [ModeSet; LANES] {
+        workspace.load(boxes, inputs);
+        self.modes_on(
+            &workspace.q,
+            lanes,
+            &mut workspace.modes,
+            &mut workspace.registers,
+        );
+        workspace.modes.sets()
+    }
+}
+
+impl Workspace {
+    fn load(&mut self, boxes: &[Interval8], inputs: &[Interval]) {
+        let (z, u) = self.q.split_at_mut(boxes.len());
+        z.copy_from_slice(boxes);
+        for (to, from) in u.iter_mut().zip(inputs) {
+            *to = Interval8::splat(*from);
+        }
     }
 }

@@ -5,8 +5,9 @@
 )]
 
 use crate::guard::{GuardRegisters, Guards};
-use crate::modes::ModeSet;
+use crate::modes::ModeMasks;
 use veribound_interval::Interval;
+use veribound_interval::lanes::{Interval8, Mask};
 use veribound_model::{
     Coefficients, Coverage, ExprId, Graph, Guard, Layout, Model, Node, Relation, SeriesTape, Tape,
     Var,
@@ -65,13 +66,13 @@ pub(crate) struct Domain {
     pub(crate) inputs: Vec<Interval>,
 }
 
-/// Registers of all tapes of a [`System`].
+/// Registers of all tapes of a [`System`], for eight boxes side by side.
 #[derive(Debug, Clone)]
 pub(crate) struct Registers {
-    pub(crate) value: Vec<Vec<Vec<Interval>>>,
-    pub(crate) gradient: Vec<Vec<Vec<Interval>>>,
+    pub(crate) value: Vec<Vec<Vec<Interval8>>>,
+    pub(crate) gradient: Vec<Vec<Vec<Interval8>>>,
     /// Two per state (lower, upper bound) and right-hand side, since bounds advance side by side.
-    pub(crate) series: Vec<Vec<[Coefficients; 2]>>,
+    pub(crate) series: Vec<Vec<[Coefficients<Interval8>; 2]>>,
     pub(crate) guards: GuardRegisters,
 }
 
@@ -145,7 +146,7 @@ impl System {
     }
 
     pub(crate) fn registers(&self, order: usize) -> Registers {
-        let per_rhs = |make: &dyn Fn(&RightHandSide) -> Vec<Interval>| {
+        let per_rhs = |make: &dyn Fn(&RightHandSide) -> Vec<Interval8>| {
             self.right_hand_sides
                 .iter()
                 .map(|list| list.iter().map(make).collect())
@@ -172,19 +173,30 @@ impl System {
         }
     }
 
-    /// The modes whose guard, as written, holds somewhere on the box `q`.
-    pub(crate) fn modes_on(&self, q: &[Interval], registers: &mut Registers) -> ModeSet {
-        let mut active = ModeSet::EMPTY;
+    /// The modes whose guard, as written, holds somewhere on the boxes `q`.
+    pub(crate) fn modes_on(
+        &self,
+        q: &[Interval8],
+        lanes: Mask,
+        active: &mut ModeMasks,
+        registers: &mut Registers,
+    ) {
+        active.clear(self.mode_count());
         for mode in 0..self.mode_count() {
-            if self.guards.holds_somewhere(mode, q, &mut registers.guards) {
-                active.insert(mode);
-            }
+            let holds = self.guards.holds_somewhere(mode, q, &mut registers.guards);
+            active.insert(mode, lanes & holds);
         }
-        active
     }
 }
 
 impl RightHandSide {
+    /// Where a state stands in `moving_positions`.
+    pub(crate) fn moving_position(&self, state: usize) -> Option<usize> {
+        self.moving_positions
+            .iter()
+            .position(|position| self.series_quantities[*position] == state)
+    }
+
     fn compile(graph: &mut Graph, layout: Layout, state: usize, expr: ExprId) -> RightHandSide {
         let variables: Vec<Var> = graph
             .variables(expr)

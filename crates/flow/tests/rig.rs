@@ -13,6 +13,7 @@ mod common;
 use common::{Rng, rig_model, rig_step};
 use veribound_flow::{StepOptions, System, Workspace};
 use veribound_interval::Interval;
+use veribound_interval::lanes::{Interval8, Mask};
 
 fn interval(lo: f64, hi: f64) -> Interval {
     Interval::new(lo, hi).unwrap()
@@ -157,7 +158,12 @@ fn a_standing_rig_stands() {
                 &mut workspace,
             )
             .unwrap();
-        let modes = system.active_modes(&states, &params, &inputs, &mut workspace);
+        let boxes: Vec<Interval8> = states
+            .iter()
+            .chain(&params)
+            .map(|x| Interval8::splat(*x))
+            .collect();
+        let [modes, ..] = system.active_modes(&boxes, Mask::lane(0), &inputs, &mut workspace);
         assert_eq!(modes.iter().collect::<Vec<_>>(), [1]);
     }
     assert_eq!(states[1], Interval::ZERO);

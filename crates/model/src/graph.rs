@@ -3,6 +3,7 @@
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use std::collections::HashMap;
+use veribound_interval::lanes::{Arithmetic, Kernel, Value};
 use veribound_interval::{Interval, rational_to_interval};
 
 /// A node of a [`Graph`].
@@ -615,19 +616,11 @@ impl Graph {
 
     /// Every value of `e` when each quantity lies in its interval.
     pub fn eval_interval(&self, e: ExprId, value: &dyn Fn(Var) -> Interval) -> Interval {
-        let mut done: HashMap<ExprId, Interval> = HashMap::new();
-        for at in self.reachable(&[e]) {
-            let result = match *self.node(at) {
-                Node::Constant(ref exact) => rational_to_interval(exact),
-                Node::Pi => Interval::PI,
-                Node::Var(var) => value(var),
-                Node::Unary(function, a) => function.apply(done[&a]),
-                Node::Binary(function, a, b) => function.apply(done[&a], done[&b]),
-                Node::Power(a, n) => done[&a].powi(n),
-            };
-            done.insert(at, result);
-        }
-        done[&e]
+        Interval::run(Range {
+            graph: self,
+            of: e,
+            value,
+        })
     }
 
     /// `e` in the user's names, with as few parentheses as its structure needs.
@@ -740,35 +733,67 @@ impl Unary {
     }
 
     /// Every value of the function on `a`.
-    #[inline]
-    pub fn apply(self, a: Interval) -> Interval {
+    #[inline(always)]
+    pub(crate) fn apply<A: Arithmetic>(self, a: &A::Value) -> A::Value {
         match self {
-            Unary::Neg => -a,
-            Unary::Sqrt => a.sqrt(),
-            Unary::Exp => a.exp(),
-            Unary::Ln => a.ln(),
-            Unary::Sin => a.sin(),
-            Unary::Cos => a.cos(),
-            Unary::Tan => a.tan(),
-            Unary::Atan => a.atan(),
-            Unary::Tanh => a.tanh(),
-            Unary::Abs => a.abs(),
-            Unary::Sign => a.sign(),
+            Unary::Neg => A::neg(a),
+            Unary::Sqrt => A::sqrt(a),
+            Unary::Exp => A::exp(a),
+            Unary::Ln => A::ln(a),
+            Unary::Sin => A::sin(a),
+            Unary::Cos => A::cos(a),
+            Unary::Tan => A::map(a, Interval::tan),
+            Unary::Atan => A::map(a, Interval::atan),
+            Unary::Tanh => A::map(a, Interval::tanh),
+            Unary::Abs => A::abs(a),
+            Unary::Sign => A::map(a, Interval::sign),
         }
     }
 }
 
 impl Binary {
     /// Every value of the function on `a` and `b`.
-    #[inline]
-    pub fn apply(self, a: Interval, b: Interval) -> Interval {
+    #[inline(always)]
+    pub(crate) fn apply<A: Arithmetic>(self, a: &A::Value, b: &A::Value) -> A::Value {
         match self {
-            Binary::Add => a + b,
-            Binary::Sub => a - b,
-            Binary::Mul => a * b,
-            Binary::Div => a / b,
-            Binary::Min => a.min(b),
-            Binary::Max => a.max(b),
+            Binary::Add => A::add(a, b),
+            Binary::Sub => A::sub(a, b),
+            Binary::Mul => A::mul(a, b),
+            Binary::Div => A::div(a, b),
+            Binary::Min => A::min(a, b),
+            Binary::Max => A::max(a, b),
         }
+    }
+}
+
+/// [`Graph::eval_interval`]
+struct Range<'a> {
+    graph: &'a Graph,
+    of: ExprId,
+    value: &'a dyn Fn(Var) -> Interval,
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: `reachable` lists operands before what uses them"
+)]
+impl Kernel<Interval> for Range<'_> {
+    type Output = Interval;
+
+    #[inline(always)]
+    fn run<A: Arithmetic<Value = Interval>>(self) -> Interval {
+        let mut done: HashMap<ExprId, Interval> = HashMap::new();
+        for at in self.graph.reachable(&[self.of]) {
+            let result = match *self.graph.node(at) {
+                Node::Constant(ref exact) => rational_to_interval(exact),
+                Node::Pi => Interval::PI,
+                Node::Var(var) => (self.value)(var),
+                Node::Unary(function, a) => function.apply::<A>(&done[&a]),
+                Node::Binary(function, a, b) => function.apply::<A>(&done[&a], &done[&b]),
+                Node::Power(a, n) => done[&a].powi(n),
+            };
+            done.insert(at, result);
+        }
+        done[&self.of]
     }
 }

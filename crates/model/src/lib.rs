@@ -18,4 +18,4 @@ pub use model::{
     Signal, State,
 };
 pub use series::{Coefficients, SeriesTape};
-pub use tape::{Layout, Regularity, Tape};
+pub use tape::{Layout, Regular, Tape};

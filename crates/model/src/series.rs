@@ -6,8 +6,9 @@
 )]
 
 use crate::graph::{Binary, ExprId, Graph, Unary};
-use crate::tape::{Compiler, Instruction, Layout, Op, Regularity, Tape};
+use crate::tape::{Compiler, Instruction, Layout, Op, Regular, Tape};
 use veribound_interval::Interval;
+use veribound_interval::lanes::{Arithmetic, Kernel, MaskOf, Value};
 
 /// A tape that evaluates Taylor coefficients in time.
 ///
@@ -18,45 +19,75 @@ pub struct SeriesTape {
     tape: Tape,
 }
 
-/// The coefficients of every register of one [`SeriesTape`].
+/// The coefficients of every register of one [`SeriesTape`], on one box or on eight side by side.
 #[derive(Debug, Clone)]
-pub struct Coefficients {
+pub struct Coefficients<V> {
     stride: usize,
-    values: Vec<Interval>,
+    values: Vec<V>,
 }
 
-impl Coefficients {
-    #[inline]
-    fn at(&self, register: u32, order: usize) -> Interval {
-        self.values[register as usize * self.stride + order]
+impl<V: Value> Coefficients<V> {
+    #[inline(always)]
+    fn at(&self, register: u32, order: usize) -> &V {
+        &self.values[register as usize * self.stride + order]
     }
 
-    #[inline]
-    fn set(&mut self, register: u32, order: usize, value: Interval) {
+    #[inline(always)]
+    fn set(&mut self, register: u32, order: usize, value: V) {
         self.values[register as usize * self.stride + order] = value;
     }
 
     /// `Σ a_j b_(k-j)` for `j` from `from` to `to`, both included.
-    fn convolve(&self, a: u32, b: u32, k: usize, from: usize, to: usize) -> Interval {
-        let mut sum = Interval::ZERO;
+    #[inline(always)]
+    fn convolve<A: Arithmetic<Value = V>>(
+        &self,
+        a: u32,
+        b: u32,
+        k: usize,
+        from: usize,
+        to: usize,
+    ) -> V {
+        let mut sum = V::splat(Interval::ZERO);
         for j in from..=to {
-            sum += self.at(a, j) * self.at(b, k - j);
+            sum = A::add(&sum, &A::mul(self.at(a, j), self.at(b, k - j)));
         }
         sum
     }
 
     /// `Σ j a_j b_(k-j) / k` for `j` from 1 to `to`: coefficient of `∫ a' b`.
-    fn integrate(&self, a: u32, b: u32, k: usize, to: usize) -> Interval {
-        let mut sum = Interval::ZERO;
+    #[inline(always)]
+    fn integrate<A: Arithmetic<Value = V>>(&self, a: u32, b: u32, k: usize, to: usize) -> V {
+        let mut sum = V::splat(Interval::ZERO);
         for j in 1..=to {
-            sum += Interval::point(j as f64) * self.at(a, j) * self.at(b, k - j);
+            let weighted = A::mul(&number::<V>(j), self.at(a, j));
+            sum = A::add(&sum, &A::mul(&weighted, self.at(b, k - j)));
         }
         if k == 1 {
             sum
         } else {
-            sum / Interval::point(k as f64)
+            A::div(&sum, &number::<V>(k))
         }
     }
+
+    /// Coefficient `k` of `a²`; symmetric pairs are taken once so that squares stay tight.
+    #[inline(always)]
+    fn square<A: Arithmetic<Value = V>>(&self, a: u32, k: usize) -> V {
+        let mut sum = V::splat(Interval::ZERO);
+        for j in 0..k.div_ceil(2) {
+            sum = A::add(&sum, &A::mul(self.at(a, j), self.at(a, k - j)));
+        }
+        sum = A::mul(&number::<V>(2), &sum);
+        if k.is_multiple_of(2) {
+            A::add(&sum, &A::sqr(self.at(a, k / 2)))
+        } else {
+            sum
+        }
+    }
+}
+
+#[inline(always)]
+fn number<V: Value>(x: usize) -> V {
+    V::splat(Interval::point(x as f64))
 }
 
 impl SeriesTape {
@@ -68,12 +99,12 @@ impl SeriesTape {
     }
 
     /// Coefficients up to `order` for this tape, with its constants in place.
-    pub fn coefficients(&self, order: usize) -> Coefficients {
+    pub fn coefficients<V: Value>(&self, order: usize) -> Coefficients<V> {
         let stride = order + 1;
-        let values = vec![Interval::ZERO; self.tape.register_count * stride];
+        let values = vec![V::splat(Interval::ZERO); self.tape.register_count * stride];
         let mut coefficients = Coefficients { stride, values };
         for &(register, value) in &self.tape.constants {
-            coefficients.set(register, 0, value);
+            coefficients.set(register, 0, V::splat(value));
         }
         coefficients
     }
@@ -88,211 +119,277 @@ impl SeriesTape {
     }
 
     /// Sets coefficient `order` of the quantity at `position` of [`SeriesTape::quantities`].
-    pub fn set_quantity(
+    pub fn set_quantity<V: Value>(
         &self,
         position: usize,
         order: usize,
-        value: Interval,
-        coefficients: &mut Coefficients,
+        value: V,
+        coefficients: &mut Coefficients<V>,
     ) {
         coefficients.set(self.tape.quantities[position].0, order, value);
     }
 
+    /// Coefficient 0 of the quantity at `position`, as it was set.
+    pub fn quantity<'a, V: Value>(
+        &self,
+        position: usize,
+        coefficients: &'a mut Coefficients<V>,
+    ) -> &'a mut V {
+        let register = self.tape.quantities[position].0 as usize;
+        &mut coefficients.values[register * coefficients.stride]
+    }
+
     /// Coefficient `order` of output `index`, once computed.
-    pub fn output(&self, index: usize, order: usize, coefficients: &Coefficients) -> Interval {
-        coefficients.at(self.tape.outputs[index], order)
+    pub fn output<V: Value>(
+        &self,
+        index: usize,
+        order: usize,
+        coefficients: &Coefficients<V>,
+    ) -> V {
+        *coefficients.at(self.tape.outputs[index], order)
     }
 
     /// Computes everything that depends on parameters and inputs alone; call it after setting
     /// those, before [`SeriesTape::compute`].
-    pub fn compute_constants(&self, coefficients: &mut Coefficients) -> Regularity {
-        let mut regularity = Regularity::Smooth;
-        for step in self.tape.instructions.iter().filter(|step| !step.moving) {
-            regularity = regularity.min(step.compute(0, coefficients));
-        }
-        regularity
+    pub fn compute_constants<V: Value>(
+        &self,
+        coefficients: &mut Coefficients<V>,
+    ) -> Regular<V::Mask> {
+        self.run(0, false, coefficients)
     }
 
     /// Computes coefficient `k` of everything that moves, from the coefficients up to `k` of the
     /// quantities and below `k` of everything else.
     ///
     /// Guarantee: with coefficient 0 of the quantities enclosing their values and the others
-    /// enclosing their true coefficients, the results enclose the true coefficients, provided the
-    /// return value is `Smooth` (as it was for the constants); otherwise the results mean nothing.
-    pub fn compute(&self, k: usize, coefficients: &mut Coefficients) -> Regularity {
-        let mut regularity = Regularity::Smooth;
-        for step in self.tape.instructions.iter().filter(|step| step.moving) {
-            regularity = regularity.min(step.compute(k, coefficients));
+    /// enclosing their true coefficients, the results enclose the true coefficients wherever the
+    /// return value is smooth (as it was for the constants); elsewhere they mean nothing.
+    pub fn compute<V: Value>(
+        &self,
+        k: usize,
+        coefficients: &mut Coefficients<V>,
+    ) -> Regular<V::Mask> {
+        self.run(k, true, coefficients)
+    }
+
+    fn run<V: Value>(
+        &self,
+        k: usize,
+        moving: bool,
+        coefficients: &mut Coefficients<V>,
+    ) -> Regular<V::Mask> {
+        // Many a right-hand side is a state; there is nothing to choose a path for.
+        if self.tape.instructions.is_empty() {
+            return Regular::smooth();
         }
-        regularity
+        V::run(Compute {
+            tape: &self.tape,
+            k,
+            moving,
+            coefficients,
+        })
     }
 }
 
-impl Instruction {
-    fn compute(&self, k: usize, c: &mut Coefficients) -> Regularity {
-        let (a, b, out) = (self.a, self.b, self.out);
-        let value = match self.op {
-            Op::Square | Op::Power(_) => square(c, a, k),
-            Op::Binary(Binary::Add) => c.at(a, k) + c.at(b, k),
-            Op::Binary(Binary::Sub) => c.at(a, k) - c.at(b, k),
-            // A constant factor has one coefficient only.
-            Op::Binary(Binary::Mul) if !self.moving_operands.0 => c.at(a, 0) * c.at(b, k),
-            Op::Binary(Binary::Mul) if !self.moving_operands.1 => c.at(a, k) * c.at(b, 0),
-            Op::Binary(Binary::Mul) => c.convolve(a, b, k, 0, k),
-            Op::Binary(Binary::Div) if !self.moving_operands.1 => {
-                let divisor = c.at(b, 0);
-                if divisor.contains(0.0) {
-                    return Regularity::Undefined;
-                }
-                c.at(a, k) / divisor
+struct Compute<'a, V> {
+    tape: &'a Tape,
+    k: usize,
+    moving: bool,
+    coefficients: &'a mut Coefficients<V>,
+}
+
+impl<V: Value> Kernel<V> for Compute<'_, V> {
+    type Output = Regular<V::Mask>;
+
+    #[inline(always)]
+    fn run<A: Arithmetic<Value = V>>(self) -> Regular<V::Mask> {
+        let mut regular = Regular::smooth();
+        for step in &self.tape.instructions {
+            if step.moving == self.moving {
+                let of = step.compute::<A>(self.k, self.coefficients);
+                regular = regular.and(of);
             }
+        }
+        regular
+    }
+}
+
+/// Where `a` is smaller than `b`, and where it is larger; neither where they touch, since a smaller box
+/// could then decide it the other way.
+#[inline(always)]
+fn decided_order<A: Arithmetic>(a: &A::Value, b: &A::Value) -> (MaskOf<A>, MaskOf<A>) {
+    (
+        A::test2(a, b, |a, b| a.hi() < b.lo()),
+        A::test2(a, b, |a, b| b.hi() < a.lo()),
+    )
+}
+
+impl Instruction {
+    #[inline(always)]
+    fn compute<A: Arithmetic>(
+        &self,
+        k: usize,
+        c: &mut Coefficients<A::Value>,
+    ) -> Regular<MaskOf<A>> {
+        let (a, b, out) = (self.a, self.b, self.out);
+        let mut regular = Regular::smooth();
+        let value = match self.op {
+            Op::Square | Op::Power(_) => c.square::<A>(a, k),
+            Op::Binary(Binary::Add) => A::add(c.at(a, k), c.at(b, k)),
+            Op::Binary(Binary::Sub) => A::sub(c.at(a, k), c.at(b, k)),
+            // A constant factor has one coefficient only.
+            Op::Binary(Binary::Mul) if !self.moving_operands.0 => A::mul(c.at(a, 0), c.at(b, k)),
+            Op::Binary(Binary::Mul) if !self.moving_operands.1 => A::mul(c.at(a, k), c.at(b, 0)),
+            Op::Binary(Binary::Mul) => c.convolve::<A>(a, b, k, 0, k),
             Op::Binary(Binary::Div) => {
-                let divisor = c.at(b, 0);
-                if divisor.contains(0.0) {
-                    return Regularity::Undefined;
-                }
-                let known = if k == 0 {
-                    Interval::ZERO
+                regular = Regular::undefined(A::contains_zero(c.at(b, 0)));
+                let known = if k == 0 || !self.moving_operands.1 {
+                    None
                 } else {
-                    c.convolve(out, b, k, 0, k - 1)
+                    Some(c.convolve::<A>(out, b, k, 0, k - 1))
                 };
-                (c.at(a, k) - known) / divisor
+                let over = match known {
+                    None => *c.at(a, k),
+                    Some(known) => A::sub(c.at(a, k), &known),
+                };
+                A::div(&over, c.at(b, 0))
             }
             // What does not move has no second coefficient to get wrong.
             Op::Binary(function @ (Binary::Min | Binary::Max)) if !self.moving => {
-                function.apply(c.at(a, 0), c.at(b, 0))
+                function.apply::<A>(c.at(a, 0), c.at(b, 0))
             }
-            Op::Binary(Binary::Min) => match decided_order(c.at(a, 0), c.at(b, 0)) {
-                Some(a_smaller) => c.at(if a_smaller { a } else { b }, k),
-                None => return Regularity::Kink,
-            },
-            Op::Binary(Binary::Max) => match decided_order(c.at(a, 0), c.at(b, 0)) {
-                Some(a_smaller) => c.at(if a_smaller { b } else { a }, k),
-                None => return Regularity::Kink,
-            },
-            Op::Unary(function) => return self.compute_unary(function, k, c),
+            Op::Binary(function @ (Binary::Min | Binary::Max)) => {
+                let (a_smaller, b_smaller) = decided_order::<A>(c.at(a, 0), c.at(b, 0));
+                regular = Regular::kink(!(a_smaller | b_smaller));
+                let takes_a = if function == Binary::Min {
+                    a_smaller
+                } else {
+                    b_smaller
+                };
+                A::select(takes_a, c.at(a, k), c.at(b, k))
+            }
+            Op::Unary(function) => return self.compute_unary::<A>(function, k, c),
         };
         c.set(out, k, value);
-        Regularity::Smooth
+        regular
     }
 
-    fn compute_unary(&self, function: Unary, k: usize, c: &mut Coefficients) -> Regularity {
+    #[inline(always)]
+    fn compute_unary<A: Arithmetic>(
+        &self,
+        function: Unary,
+        k: usize,
+        c: &mut Coefficients<A::Value>,
+    ) -> Regular<MaskOf<A>> {
         let (a, out, companion) = (self.a, self.out, self.companion);
-        let start = c.at(a, 0);
+        let one = number::<A::Value>(1);
+        let mut regular = Regular::smooth();
+        let start = *c.at(a, 0);
         let value = match function {
-            Unary::Neg => -c.at(a, k),
-            Unary::Abs if !self.moving => start.abs(),
-            // Strict: a box and a box inside it must not take different branches.
-            Unary::Abs if start.lo() > 0.0 => c.at(a, k),
-            Unary::Abs if start.hi() < 0.0 => -c.at(a, k),
-            Unary::Abs => return Regularity::Kink,
-            Unary::Sign if start.contains(0.0) => return Regularity::Jump,
-            Unary::Sign if k == 0 => start.sign(),
-            Unary::Sign => Interval::ZERO,
-            Unary::Sqrt | Unary::Ln if start.lo() <= 0.0 => return Regularity::Undefined,
-            Unary::Tan if !start.tan().is_bounded() => return Regularity::Undefined,
-            Unary::Sqrt if k == 0 => start.sqrt(),
-            Unary::Sqrt => {
-                let known = c.convolve(out, out, k, 1, k - 1);
-                (c.at(a, k) - known) / (Interval::point(2.0) * c.at(out, 0))
+            Unary::Neg => A::neg(c.at(a, k)),
+            Unary::Abs if !self.moving => A::abs(&start),
+            Unary::Abs => {
+                // Strict: a box and a box inside it must not take different branches.
+                let (above, below) = (A::is_positive(&start), A::is_positive(&A::neg(&start)));
+                regular = Regular::kink(!(above | below));
+                A::select(above, c.at(a, k), &A::neg(c.at(a, k)))
             }
-            Unary::Exp if k == 0 => start.exp(),
-            Unary::Exp => c.integrate(a, out, k, k),
-            Unary::Ln if k == 0 => start.ln(),
-            Unary::Ln => (c.at(a, k) - c.integrate(out, a, k, k - 1)) / start,
-            Unary::Sin | Unary::Cos if k == 0 => {
-                let (value, other) = if function == Unary::Sin {
-                    (start.sin(), start.cos())
+            Unary::Sign => {
+                regular = Regular::jump(A::contains_zero(&start));
+                if k == 0 {
+                    function.apply::<A>(&start)
                 } else {
-                    (start.cos(), start.sin())
+                    number::<A::Value>(0)
+                }
+            }
+            Unary::Sqrt => {
+                regular = Regular::undefined(!A::is_positive(&start));
+                if k == 0 {
+                    A::sqrt(&start)
+                } else {
+                    let known = c.convolve::<A>(out, out, k, 1, k - 1);
+                    let twice = A::mul(&number::<A::Value>(2), c.at(out, 0));
+                    A::div(&A::sub(c.at(a, k), &known), &twice)
+                }
+            }
+            Unary::Exp if k == 0 => A::exp(&start),
+            Unary::Exp => c.integrate::<A>(a, out, k, k),
+            Unary::Ln => {
+                regular = Regular::undefined(!A::is_positive(&start));
+                if k == 0 {
+                    A::ln(&start)
+                } else {
+                    let known = c.integrate::<A>(out, a, k, k - 1);
+                    A::div(&A::sub(c.at(a, k), &known), &start)
+                }
+            }
+            Unary::Sin | Unary::Cos => {
+                // The companion is the other one: sin' = cos, cos' = -sin.
+                let (value, other) = if k == 0 {
+                    (A::sin(&start), A::cos(&start))
+                } else if function == Unary::Sin {
+                    (
+                        c.integrate::<A>(a, companion, k, k),
+                        A::neg(&c.integrate::<A>(a, out, k, k)),
+                    )
+                } else {
+                    (
+                        c.integrate::<A>(a, out, k, k),
+                        A::neg(&c.integrate::<A>(a, companion, k, k)),
+                    )
                 };
-                c.set(companion, 0, other);
-                value
-            }
-            Unary::Sin => {
-                // sin' = cos, cos' = -sin; the companion is the cosine.
-                let value = c.integrate(a, companion, k, k);
-                let other = -c.integrate(a, out, k, k);
-                c.set(companion, k, other);
-                value
-            }
-            Unary::Cos => {
-                let value = -c.integrate(a, companion, k, k);
-                let other = c.integrate(a, out, k, k);
+                let (value, other) = if function == Unary::Sin {
+                    (value, other)
+                } else {
+                    (other, value)
+                };
                 c.set(companion, k, other);
                 value
             }
             Unary::Tan | Unary::Tanh => {
                 // The companion is the outer derivative: 1 + tan², 1 - tanh².
-                let value = match (k, function) {
-                    (0, Unary::Tan) => start.tan(),
-                    (0, _) => start.tanh(),
-                    _ => c.integrate(a, companion, k, k),
+                let value = if k == 0 {
+                    function.apply::<A>(&start)
+                } else {
+                    c.integrate::<A>(a, companion, k, k)
                 };
+                if function == Unary::Tan {
+                    let tangent = function.apply::<A>(&start);
+                    regular = Regular::undefined(A::test(&tangent, |x| !x.is_bounded()));
+                }
                 c.set(out, k, value);
-                let square = square(c, out, k);
+                let square = c.square::<A>(out, k);
                 let signed = if function == Unary::Tan {
                     square
                 } else {
-                    -square
+                    A::neg(&square)
                 };
-                c.set(
-                    companion,
-                    k,
-                    if k == 0 {
-                        Interval::ONE + signed
-                    } else {
-                        signed
-                    },
-                );
+                let other = if k == 0 {
+                    A::add(&one, &signed)
+                } else {
+                    signed
+                };
+                c.set(companion, k, other);
                 value
             }
             Unary::Atan => {
                 // atan' = a' / (1 + a²); the companion is the denominator.
-                let square = square(c, a, k);
-                c.set(
-                    companion,
-                    k,
-                    if k == 0 {
-                        Interval::ONE + square
-                    } else {
-                        square
-                    },
-                );
-                if k == 0 {
-                    start.atan()
+                let square = c.square::<A>(a, k);
+                let other = if k == 0 {
+                    A::add(&one, &square)
                 } else {
-                    (c.at(a, k) - c.integrate(out, companion, k, k - 1)) / c.at(companion, 0)
+                    square
+                };
+                c.set(companion, k, other);
+                if k == 0 {
+                    function.apply::<A>(&start)
+                } else {
+                    let known = c.integrate::<A>(out, companion, k, k - 1);
+                    A::div(&A::sub(c.at(a, k), &known), c.at(companion, 0))
                 }
             }
         };
         c.set(out, k, value);
-        Regularity::Smooth
-    }
-}
-
-/// Coefficient `k` of `a²`; symmetric pairs are taken once so that squares stay tight.
-fn square(c: &Coefficients, a: u32, k: usize) -> Interval {
-    let mut sum = Interval::ZERO;
-    for j in 0..k.div_ceil(2) {
-        sum += c.at(a, j) * c.at(a, k - j);
-    }
-    sum = Interval::point(2.0) * sum;
-    if k.is_multiple_of(2) {
-        sum + c.at(a, k / 2).sqr()
-    } else {
-        sum
-    }
-}
-
-/// Which of the two is smaller; `None` where they touch, since a smaller box could then decide it
-/// the other way.
-fn decided_order(a: Interval, b: Interval) -> Option<bool> {
-    if a.hi() < b.lo() {
-        Some(true)
-    } else if b.hi() < a.lo() {
-        Some(false)
-    } else {
-        None
+        regular
     }
 }

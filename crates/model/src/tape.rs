@@ -11,11 +11,12 @@
 
 use crate::graph::{Binary, ExprId, Graph, Node, Unary, Var};
 use std::collections::HashMap;
+use veribound_interval::lanes::{Arithmetic, Kernel, Lanewise, MaskOf, Value};
 use veribound_interval::{Interval, rational_to_interval};
 
 /// How regular an expression is on a whole box; later is better.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Regularity {
+enum Regularity {
     /// Not defined somewhere on the box: a division by zero, the root of a negative number.
     Undefined,
     /// Defined, but may jump.
@@ -24,6 +25,89 @@ pub enum Regularity {
     Kink,
     /// Infinitely often differentiable.
     Smooth,
+}
+
+/// How regular an expression is on a whole box: one truth value, or one for each of several boxes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Regular<M = bool> {
+    undefined: M,
+    jump: M,
+    kink: M,
+}
+
+impl<M: Lanewise> Regular<M> {
+    /// Infinitely often differentiable everywhere.
+    #[inline(always)]
+    pub fn smooth() -> Regular<M> {
+        let none = M::splat(false);
+        Regular {
+            undefined: none,
+            jump: none,
+            kink: none,
+        }
+    }
+
+    /// [`Regularity::Smooth`]
+    #[inline(always)]
+    pub fn is_smooth(self) -> M {
+        !(self.undefined | self.jump | self.kink)
+    }
+
+    /// [`Regularity::Kink`] or better.
+    #[inline(always)]
+    pub fn is_continuous(self) -> M {
+        !(self.undefined | self.jump)
+    }
+
+    /// [`Regularity::Jump`] or better.
+    #[inline(always)]
+    pub fn is_defined(self) -> M {
+        !self.undefined
+    }
+
+    #[inline(always)]
+    pub(crate) fn undefined(mask: M) -> Regular<M> {
+        Regular {
+            undefined: mask,
+            ..Regular::smooth()
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn jump(mask: M) -> Regular<M> {
+        Regular {
+            jump: mask,
+            ..Regular::smooth()
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn kink(mask: M) -> Regular<M> {
+        Regular {
+            kink: mask,
+            ..Regular::smooth()
+        }
+    }
+
+    /// The less regular one.
+    #[inline(always)]
+    pub(crate) fn and(self, other: Regular<M>) -> Regular<M> {
+        Regular {
+            undefined: self.undefined | other.undefined,
+            jump: self.jump | other.jump,
+            kink: self.kink | other.kink,
+        }
+    }
+
+    /// The answers of `of` in every lane.
+    #[inline(always)]
+    fn by_lane(test: impl Fn(Regularity) -> M) -> Regular<M> {
+        Regular {
+            undefined: test(Regularity::Undefined),
+            jump: test(Regularity::Jump),
+            kink: test(Regularity::Kink),
+        }
+    }
 }
 
 /// Numbers of states, parameters and inputs: where each quantity stands in a flat list of them.
@@ -233,10 +317,10 @@ impl Tape {
     }
 
     /// Registers for this tape, with its constants in place.
-    pub fn registers(&self) -> Vec<Interval> {
-        let mut registers = vec![Interval::ZERO; self.register_count];
+    pub fn registers<V: Value>(&self) -> Vec<V> {
+        let mut registers = vec![V::splat(Interval::ZERO); self.register_count];
         for &(register, value) in &self.constants {
-            registers[register as usize] = value;
+            registers[register as usize] = V::splat(value);
         }
         registers
     }
@@ -252,105 +336,157 @@ impl Tape {
     }
 
     /// Encloses every output for all `quantities` (in the order of the [`Layout`]), and says how
-    /// regular the outputs are on that box.
+    /// regular the outputs are on that box; on one box, or on eight side by side.
     ///
     /// Guarantee: for every point of the box at which an output is defined, its value lies in the
     /// result read by [`Tape::output`].
-    pub fn eval(&self, quantities: &[Interval], registers: &mut [Interval]) -> Regularity {
+    pub fn eval<V: Value>(&self, quantities: &[V], registers: &mut [V]) -> Regular<V::Mask> {
         for &(register, quantity) in &self.quantities {
             registers[register as usize] = quantities[quantity as usize];
         }
-        let mut regularity = Regularity::Smooth;
-        for step in &self.instructions {
-            let a = registers[step.a as usize];
-            let value = match step.op {
-                Op::Unary(function) => {
-                    regularity = regularity.min(unary_regularity(function, a));
-                    function.apply(a)
-                }
-                Op::Binary(function) => {
-                    let b = registers[step.b as usize];
-                    regularity = regularity.min(binary_regularity(function, a, b));
-                    function.apply(a, b)
-                }
-                Op::Square => a.sqr(),
-                Op::Power(n) => {
-                    if n < 0 && a.contains(0.0) {
-                        regularity = Regularity::Undefined;
-                    }
-                    a.powi(n)
-                }
-            };
-            registers[step.out as usize] = value;
+        // Many a right-hand side is a state; there is nothing to choose a path for.
+        if self.instructions.is_empty() {
+            return Regular::smooth();
         }
-        regularity
+        V::run(Evaluate {
+            tape: self,
+            registers,
+        })
     }
 
     /// Value of output `index` after [`Tape::eval`].
-    pub fn output(&self, index: usize, registers: &[Interval]) -> Interval {
+    pub fn output<V: Value>(&self, index: usize, registers: &[V]) -> V {
         registers[self.outputs[index] as usize]
     }
 
     /// Removes from `quantities` values for which output 0 cannot lie in `target`.
     ///
     /// Guarantee: every point of the box at which the output is defined and lies in `target` is
-    /// kept. Returns false when no such point exists; `quantities` is then meaningless.
+    /// kept. Where the result is false no such point exists; `quantities` is then meaningless.
     /// Source: forward-backward propagation (HC4), Benhamou et al. 1999.
-    pub fn contract(
+    pub fn contract<V: Value>(
         &self,
-        quantities: &mut [Interval],
+        quantities: &mut [V],
         target: Interval,
-        registers: &mut [Interval],
-    ) -> bool {
+        registers: &mut [V],
+    ) -> V::Mask {
         self.eval(quantities, registers);
-        let possible = self.propagate_back(target, registers);
-        if possible {
+        let possible = V::run(PropagateBack {
+            tape: self,
+            target,
+            registers,
+        });
+        if possible.any() {
             for &(register, quantity) in &self.quantities {
                 quantities[quantity as usize] = registers[register as usize];
             }
         }
         // The way back narrows constants too; the next evaluation needs them whole.
         for &(register, value) in &self.constants {
-            registers[register as usize] = value;
+            registers[register as usize] = V::splat(value);
         }
         possible
     }
+}
 
-    fn propagate_back(&self, target: Interval, registers: &mut [Interval]) -> bool {
-        let root = self.outputs[0] as usize;
-        registers[root] = registers[root].intersect(target);
-        if registers[root].is_empty() {
-            return false;
+struct Evaluate<'a, V> {
+    tape: &'a Tape,
+    registers: &'a mut [V],
+}
+
+impl<V: Value> Kernel<V> for Evaluate<'_, V> {
+    type Output = Regular<V::Mask>;
+
+    #[inline(always)]
+    fn run<A: Arithmetic<Value = V>>(self) -> Regular<V::Mask> {
+        let registers = self.registers;
+        let mut regular = Regular::smooth();
+        for step in &self.tape.instructions {
+            let a = &registers[step.a as usize];
+            let value = match step.op {
+                Op::Unary(function) => {
+                    regular = regular.and(unary_regularity::<A>(function, a));
+                    function.apply::<A>(a)
+                }
+                Op::Binary(function) => {
+                    let b = &registers[step.b as usize];
+                    regular = regular.and(binary_regularity::<A>(function, a, b));
+                    function.apply::<A>(a, b)
+                }
+                Op::Square => A::sqr(a),
+                Op::Power(n) => {
+                    if n < 0 {
+                        regular = regular.and(Regular::undefined(A::contains_zero(a)));
+                    }
+                    A::map(a, |a| a.powi(n))
+                }
+            };
+            registers[step.out as usize] = value;
         }
-        for step in self.instructions.iter().rev() {
+        regular
+    }
+}
+
+struct PropagateBack<'a, V> {
+    tape: &'a Tape,
+    target: Interval,
+    registers: &'a mut [V],
+}
+
+impl<V: Value> Kernel<V> for PropagateBack<'_, V> {
+    type Output = V::Mask;
+
+    #[inline(always)]
+    fn run<A: Arithmetic<Value = V>>(self) -> V::Mask {
+        let registers = self.registers;
+        let root = self.tape.outputs[0] as usize;
+        registers[root] = A::intersect(&registers[root], &V::splat(self.target));
+        let mut possible = !A::is_empty(&registers[root]);
+        for step in self.tape.instructions.iter().rev() {
+            if !possible.any() {
+                break;
+            }
             let out = registers[step.out as usize];
             let a = registers[step.a as usize];
             let a = match step.op {
                 Op::Binary(function) => {
                     let b = registers[step.b as usize];
-                    let (a, b) = binary_reverse(function, out, a, b);
+                    let (a, b) = binary_reverse::<A>(function, &out, &a, &b);
                     // Both operands in one register: both conditions hold.
-                    let b = if step.a == step.b { a.intersect(b) } else { b };
-                    if b.is_empty() {
-                        return false;
-                    }
+                    let b = if step.a == step.b {
+                        A::intersect(&a, &b)
+                    } else {
+                        b
+                    };
+                    possible = possible & !A::is_empty(&b);
                     registers[step.b as usize] = b;
                     if step.a == step.b { b } else { a }
                 }
-                Op::Unary(function) => unary_reverse(function, out, a),
-                Op::Square => Interval::sqr_rev(out, a),
-                Op::Power(n) => Interval::powi_rev(n, out, a),
+                Op::Unary(function) => unary_reverse::<A>(function, &out, &a),
+                Op::Square => A::map2(&out, &a, Interval::sqr_rev),
+                Op::Power(n) => A::map2(&out, &a, |out, a| Interval::powi_rev(n, out, a)),
             };
-            if a.is_empty() {
-                return false;
-            }
+            possible = possible & !A::is_empty(&a);
             registers[step.a as usize] = a;
         }
-        true
+        possible
     }
 }
 
-fn unary_regularity(function: Unary, a: Interval) -> Regularity {
+#[inline(always)]
+fn unary_regularity<A: Arithmetic>(function: Unary, a: &A::Value) -> Regular<MaskOf<A>> {
+    match function {
+        Unary::Neg | Unary::Exp | Unary::Sin | Unary::Cos | Unary::Atan | Unary::Tanh => {
+            Regular::smooth()
+        }
+        Unary::Sqrt | Unary::Ln | Unary::Abs | Unary::Sign if A::is_positive(a).all() => {
+            Regular::smooth()
+        }
+        _ => Regular::by_lane(|wanted| A::test(a, |a| regularity_at(function, a) == wanted)),
+    }
+}
+
+fn regularity_at(function: Unary, a: Interval) -> Regularity {
     let ok = |defined: bool| {
         if defined {
             Regularity::Smooth
@@ -369,43 +505,65 @@ fn unary_regularity(function: Unary, a: Interval) -> Regularity {
     }
 }
 
-fn binary_regularity(function: Binary, a: Interval, b: Interval) -> Regularity {
-    match function {
-        Binary::Div if b.contains(0.0) => Regularity::Undefined,
-        Binary::Min | Binary::Max if a.lo() < b.hi() && b.lo() < a.hi() => Regularity::Kink,
-        _ => Regularity::Smooth,
-    }
-}
-
-fn unary_reverse(function: Unary, out: Interval, a: Interval) -> Interval {
-    match function {
-        Unary::Neg => a.intersect(-out),
-        Unary::Sqrt => Interval::sqrt_rev(out, a),
-        Unary::Exp => Interval::exp_rev(out, a),
-        Unary::Ln => Interval::ln_rev(out, a),
-        Unary::Sin => Interval::sin_rev(out, a),
-        Unary::Cos => Interval::cos_rev(out, a),
-        Unary::Tan => Interval::tan_rev(out, a),
-        Unary::Atan => Interval::atan_rev(out, a),
-        Unary::Tanh => Interval::tanh_rev(out, a),
-        Unary::Abs => Interval::abs_rev(out, a),
-        Unary::Sign => Interval::sign_rev(out, a),
-    }
-}
-
-fn binary_reverse(
+#[inline(always)]
+fn binary_regularity<A: Arithmetic>(
     function: Binary,
-    out: Interval,
-    a: Interval,
-    b: Interval,
-) -> (Interval, Interval) {
+    a: &A::Value,
+    b: &A::Value,
+) -> Regular<MaskOf<A>> {
     match function {
-        Binary::Add => (a.intersect(out - b), b.intersect(out - a)),
-        Binary::Sub => (a.intersect(out + b), b.intersect(a - out)),
-        Binary::Mul => (Interval::mul_rev(b, out, a), Interval::mul_rev(a, out, b)),
+        Binary::Add | Binary::Sub | Binary::Mul => Regular::smooth(),
+        Binary::Div => Regular::undefined(A::contains_zero(b)),
+        Binary::Min | Binary::Max => {
+            Regular::kink(A::test2(a, b, |a, b| a.lo() < b.hi() && b.lo() < a.hi()))
+        }
+    }
+}
+
+#[inline(always)]
+fn unary_reverse<A: Arithmetic>(function: Unary, out: &A::Value, a: &A::Value) -> A::Value {
+    let reverse: fn(Interval, Interval) -> Interval = match function {
+        Unary::Neg => return A::intersect(a, &A::neg(out)),
+        Unary::Sqrt => Interval::sqrt_rev,
+        Unary::Exp => Interval::exp_rev,
+        Unary::Ln => Interval::ln_rev,
+        Unary::Sin => Interval::sin_rev,
+        Unary::Cos => Interval::cos_rev,
+        Unary::Tan => Interval::tan_rev,
+        Unary::Atan => Interval::atan_rev,
+        Unary::Tanh => Interval::tanh_rev,
+        Unary::Abs => Interval::abs_rev,
+        Unary::Sign => Interval::sign_rev,
+    };
+    A::map2(out, a, reverse)
+}
+
+#[inline(always)]
+fn binary_reverse<A: Arithmetic>(
+    function: Binary,
+    out: &A::Value,
+    a: &A::Value,
+    b: &A::Value,
+) -> (A::Value, A::Value) {
+    let both = |reverse: fn(Interval, Interval, Interval) -> Interval| {
+        (A::map3(b, out, a, reverse), A::map3(a, out, b, reverse))
+    };
+    match function {
+        Binary::Add => (
+            A::intersect(a, &A::sub(out, b)),
+            A::intersect(b, &A::sub(out, a)),
+        ),
+        Binary::Sub => (
+            A::intersect(a, &A::add(out, b)),
+            A::intersect(b, &A::sub(a, out)),
+        ),
+        Binary::Mul => both(Interval::mul_rev),
         // out = a / b means a = out * b; b then solves out * b = a.
-        Binary::Div => (a.intersect(out * b), Interval::mul_rev(out, a, b)),
-        Binary::Min => (Interval::min_rev(b, out, a), Interval::min_rev(a, out, b)),
-        Binary::Max => (Interval::max_rev(b, out, a), Interval::max_rev(a, out, b)),
+        Binary::Div => (
+            A::intersect(a, &A::mul(out, b)),
+            A::map3(out, a, b, Interval::mul_rev),
+        ),
+        Binary::Min => both(Interval::min_rev),
+        Binary::Max => both(Interval::max_rev),
     }
 }

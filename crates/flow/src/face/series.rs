@@ -1,0 +1,372 @@
+//! Bounds that move as the solution of their comparison equation.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: states, right-hand sides and quantities are positions in the system's lists"
+)]
+
+use super::bound::{Bound, Source, assign, groups};
+use super::{Face, Faces, Step};
+use crate::side::Side;
+use crate::system::{Registers, System};
+use veribound_interval::Interval;
+use veribound_interval::lanes::{Interval8, LANES, Mask};
+
+/// Rounds of Picard's iteration for the comparison equations.
+const SERIES_ROUNDS: usize = 8;
+
+impl Face<'_> {
+    /// Chooses how both bounds of the state advance: as a series where one smooth right-hand side
+    /// is certain.
+    pub(super) fn begin(&mut self, bounds: &mut [Bound; 2], lanes: Mask) {
+        let levels = &self.system.guards.levels[self.state];
+        let mut inside = [Mask::NONE; 2];
+        for side in Side::BOTH {
+            let bound = &mut bounds[side.index()];
+            bound.reset();
+            bound.origin = side.ends(&self.q[self.state]);
+            bound.start = bound.origin;
+            bound.cell = bound.origin.map(|origin| levels.cell(origin));
+            for (cell, group) in groups(bound.cell, lanes) {
+                inside[side.index()] |= if cell % 2 == 1 {
+                    let next = self.at_zone(side, cell / 2, group);
+                    let at_once = Mask::from_fn(|lane| next.after[lane] == 0.0);
+                    let entering = group & next.enter & at_once;
+                    assign(&mut bound.cell, entering, &next.cell);
+                    assign(&mut bound.start, entering, &next.from);
+                    entering
+                } else {
+                    group
+                };
+            }
+        }
+        // Bounds in the same cell share what is found out about it.
+        let mut surveyed = [Mask::NONE; 2];
+        for side in Side::BOTH {
+            let cells = bounds[side.index()].cell;
+            for (cell, group) in groups(cells, inside[side.index()]) {
+                if group.without(surveyed[side.index()]).none() {
+                    continue;
+                }
+                let both = |side: Side| {
+                    let cells = &bounds[side.index()].cell;
+                    inside[side.index()] & Mask::from_fn(|lane| cells[lane] == cell)
+                };
+                let each = Side::BOTH.map(both);
+                for (surveyed, now) in surveyed.iter_mut().zip(each) {
+                    *surveyed |= now;
+                }
+                self.survey_cell(cell, each, bounds);
+            }
+        }
+        for side in Side::BOTH {
+            let bound = &mut bounds[side.index()];
+            let rough = lanes.without(bound.series);
+            if !rough.none() {
+                self.finish_roughly(side, bound, rough);
+            }
+        }
+    }
+
+    /// Plans series in `cell` for the lower and upper bounds of the given boxes, where one
+    /// right-hand side is the only one possible there and smooth on the whole face.
+    fn survey_cell(&mut self, cell: usize, lanes: [Mask; 2], bounds: &mut [Bound; 2]) {
+        let levels = &self.system.guards.levels[self.state];
+        let tube = &self.apriori.tube[self.state];
+        let domain = tube.intersect(&Interval8::splat(levels.range(cell)));
+        let either = (lanes[0] | lanes[1]).without(domain.is_empty());
+        self.set_face(&domain);
+        let mut chosen = [usize::MAX; LANES];
+        let mut single = Mask::NONE;
+        if self.system.right_hand_sides[self.state].len() == 1 {
+            chosen = [0; LANES];
+            single = either;
+        } else {
+            let mut several = Mask::NONE;
+            for (mode, has_mode) in self.apriori.modes.on(either) {
+                self.unclip();
+                let in_cell = Some((self.state, cell));
+                let guards = &mut self.registers.guards;
+                let clip = &self.system.guards;
+                let active = clip.clip(mode, self.clipped, has_mode, in_cell, guards);
+                let choice = self.system.choice[mode][self.state];
+                let other = Mask::from_fn(|lane| chosen[lane] != choice);
+                several |= single & active & other;
+                assign(&mut chosen, active, &[choice; LANES]);
+                single |= active;
+            }
+            single = single.without(several);
+        }
+        for (rhs, group) in groups(chosen, single) {
+            self.unclip();
+            let value = &self.system.right_hand_sides[self.state][rhs].value;
+            let registers = &mut self.registers.value[self.state][rhs];
+            let smooth = group & value.eval(self.clipped, registers).is_smooth();
+            if smooth.none() {
+                continue;
+            }
+            self.slopes(rhs);
+            self.survey.base.clone_from(&self.survey.slopes);
+            let mut fresh = true;
+            for side in Side::BOTH {
+                let wanted = smooth & lanes[side.index()];
+                if wanted.none() {
+                    continue;
+                }
+                if !fresh {
+                    self.unclip();
+                    self.survey.slopes.clone_from(&self.survey.base);
+                }
+                fresh = false;
+                self.plan_series(side, cell, rhs, wanted, &mut bounds[side.index()]);
+            }
+        }
+    }
+
+    /// Sets up the comparison equations from the bounds' starts inside `cell`.
+    fn plan_series(&mut self, side: Side, cell: usize, rhs: usize, lanes: Mask, bound: &mut Bound) {
+        let tapes = &self.system.right_hand_sides[self.state][rhs];
+        let plan = &mut bound.plans[rhs];
+        if let Some(own) = tapes.moving_position(self.state) {
+            plan.sources[own].follow(side, lanes);
+        }
+        let slack = self.fix_corners(side, rhs, lanes, Some(plan));
+        let scratch = &mut self.registers.series[self.state][rhs][side.index()];
+        for (position, &quantity) in tapes.series_quantities.iter().enumerate() {
+            if quantity >= self.system.layout.states {
+                let known = tapes.series.quantity(position, scratch);
+                known.assign(lanes, &self.clipped[quantity]);
+            }
+        }
+        let smooth = tapes.series.compute_constants(scratch).is_smooth();
+        let planned = lanes & smooth & slack.is_bounded();
+        plan.lanes |= planned;
+        bound.slack.assign(planned, &slack);
+        assign(&mut bound.cell, planned, &[cell; LANES]);
+        bound.range.assign(planned, &Interval8::point(bound.start));
+        bound.series |= planned;
+    }
+}
+
+impl Faces {
+    /// Coefficient `k` of what a comparison equation reads of a state; over the whole step where
+    /// `ranges`.
+    fn source(&self, state: usize, source: &Source, k: usize, ranges: bool) -> Interval8 {
+        let mut value = if k == 0 {
+            source.constant
+        } else {
+            Interval8::ZERO
+        };
+        for (side, lanes) in [(Side::Lower, source.lower), (Side::Upper, source.upper)] {
+            if lanes.none() {
+                continue;
+            }
+            let bound = &self.bounds[state][side.index()];
+            let moving = lanes & bound.series;
+            let resting = lanes.without(bound.series);
+            if k == 0 && ranges {
+                value.assign(moving, &bound.range);
+            } else {
+                value.assign(moving, &bound.coefficients[k]);
+            }
+            if !resting.none() {
+                let rest = if k == 0 {
+                    Interval8::point(side.ends(&bound.range))
+                } else {
+                    Interval8::ZERO
+                };
+                value.assign(resting, &rest);
+            }
+        }
+        value
+    }
+}
+
+impl System {
+    /// Range of every comparison solution over the step, by Picard's iteration for all of them
+    /// together; those for which it fails, or that reach a level, move with constant rates.
+    pub(super) fn enclose_series_ranges(
+        &self,
+        step: &Step<'_>,
+        faces: &mut Faces,
+        registers: &mut Registers,
+    ) {
+        let span = Interval8::splat(Interval::ZERO.hull(step.dt));
+        let mut open = step.lanes;
+        for round in 0..SERIES_ROUNDS {
+            let mut unsettled = Mask::NONE;
+            for state in 0..self.layout.states {
+                for side in Side::BOTH {
+                    let series = open & faces.bounds[state][side.index()].series;
+                    if series.none() {
+                        continue;
+                    }
+                    let (velocity, known) =
+                        self.comparison(state, side, 0, true, series, faces, registers);
+                    let bound = &mut faces.bounds[state][side.index()];
+                    let velocity = velocity + bound.slack;
+                    let image = Interval8::point(bound.start) + span * velocity;
+                    let tube = &step.apriori.tube[state];
+                    let good = known
+                        & velocity.is_bounded()
+                        & image.is_subset_of(tube)
+                        & self.keeps_to_cell(state, side, bound, &image, series);
+                    let settled = good & image.is_subset_of(&bound.range);
+                    unsettled |= series.without(settled);
+                    let mut lost = series.without(good);
+                    let growing = good.without(settled);
+                    if round + 1 < SERIES_ROUNDS {
+                        if !growing.none() {
+                            let range = generous(&image).intersect(tube);
+                            bound.range.assign(growing, &range);
+                        }
+                    } else {
+                        lost |= growing;
+                    }
+                    self.give_up_series(step, (state, side), lost, faces, registers);
+                }
+            }
+            open = unsettled;
+            if open.none() {
+                return;
+            }
+        }
+        // Some range was still growing in the last round: no series is proved.
+        for state in 0..self.layout.states {
+            for side in Side::BOTH {
+                let lost = open & faces.bounds[state][side.index()].series;
+                self.give_up_series(step, (state, side), lost, faces, registers);
+            }
+        }
+    }
+
+    /// Where the comparison solution keeps to the cell in which its corners were fixed.
+    fn keeps_to_cell(
+        &self,
+        state: usize,
+        side: Side,
+        bound: &Bound,
+        range: &Interval8,
+        lanes: Mask,
+    ) -> Mask {
+        let mut keeps = Mask::NONE;
+        for (cell, group) in groups(bound.cell, lanes) {
+            let cell = self.guards.levels[state].range(cell);
+            let edge = side.end(cell);
+            let ends = side.ends(range);
+            let before_edge =
+                Mask::from_fn(|lane| edge.is_infinite() || side.beyond(edge, ends[lane]));
+            keeps |= group & range.is_subset_of(&Interval8::splat(cell)) & before_edge;
+        }
+        keeps
+    }
+
+    /// Coefficient `k` of the right-hand sides of comparison equations, and where they are smooth.
+    #[allow(
+        clippy::too_many_arguments,
+        reason = "one bound, one coefficient, and the two places that hold the state of the step"
+    )]
+    fn comparison(
+        &self,
+        state: usize,
+        side: Side,
+        k: usize,
+        ranges: bool,
+        lanes: Mask,
+        faces: &Faces,
+        registers: &mut Registers,
+    ) -> (Interval8, Mask) {
+        let bound = &faces.bounds[state][side.index()];
+        let mut velocity = Interval8::ENTIRE;
+        let mut smooth = Mask::NONE;
+        for (rhs, plan) in bound.plans.iter().enumerate() {
+            let group = plan.lanes & lanes;
+            if group.none() {
+                continue;
+            }
+            let tapes = &self.right_hand_sides[state][rhs];
+            let scratch = &mut registers.series[state][rhs][side.index()];
+            for (source, &position) in plan.sources.iter().zip(&tapes.moving_positions) {
+                let quantity = tapes.series_quantities[position];
+                let value = faces.source(quantity, source, k, ranges);
+                tapes.series.set_quantity(position, k, value, scratch);
+            }
+            let regular = tapes.series.compute(k, scratch);
+            let value = tapes.series.output(0, k, scratch);
+            velocity.assign(group, &value);
+            smooth |= group & regular.is_smooth();
+        }
+        (velocity, smooth)
+    }
+
+    /// Taylor series of all comparison solutions side by side, with the remainder taken over
+    /// their ranges: `V(dt) ∈ Σ_(k<=ν) c_k dt^k + c_(ν+1)(range) dt^(ν+1)`.
+    pub(super) fn expand_series(&self, dt: Interval, faces: &mut Faces, registers: &mut Registers) {
+        let order = faces.order;
+        let dt = Interval8::splat(dt);
+        self.coefficients(true, order + 1, faces, registers);
+        for bound in faces.bounds.iter_mut().flatten() {
+            bound.remainder = bound.coefficients[order + 1];
+        }
+        self.coefficients(false, order, faces, registers);
+        for pair in &mut faces.bounds {
+            for side in Side::BOTH {
+                let bound = &mut pair[side.index()];
+                if bound.series.none() {
+                    continue;
+                }
+                let mut sum = bound.remainder;
+                for coefficient in bound.coefficients[..=order].iter().rev() {
+                    sum = *coefficient + dt * sum;
+                }
+                assign(&mut bound.end, bound.series, &side.ends(&sum));
+            }
+        }
+    }
+
+    /// Coefficients 0 to `last` of every comparison solution, along it or over its whole range.
+    fn coefficients(
+        &self,
+        ranges: bool,
+        last: usize,
+        faces: &mut Faces,
+        registers: &mut Registers,
+    ) {
+        for bound in faces.bounds.iter_mut().flatten() {
+            bound.coefficients[0] = if ranges {
+                bound.range
+            } else {
+                Interval8::point(bound.start)
+            };
+        }
+        for k in 0..last {
+            let reciprocal = faces.reciprocals[k];
+            for state in 0..self.layout.states {
+                for side in Side::BOTH {
+                    let bound = &faces.bounds[state][side.index()];
+                    let lanes = bound.series;
+                    if lanes.none() {
+                        continue;
+                    }
+                    let (value, smooth) =
+                        self.comparison(state, side, k, ranges, lanes, faces, registers);
+                    let bound = &mut faces.bounds[state][side.index()];
+                    let value = if k == 0 {
+                        value + bound.slack
+                    } else {
+                        value * reciprocal
+                    };
+                    // The ranges were accepted with a smooth right-hand side on them; were it
+                    // otherwise, the unbounded coefficient says so and loses nothing.
+                    bound.coefficients[k + 1] = value.or_else(smooth, &Interval8::ENTIRE);
+                }
+            }
+        }
+    }
+}
+
+/// Generous: the range only enters the remainder, and fewer rounds are cheaper.
+fn generous(image: &Interval8) -> Interval8 {
+    let (width, size) = (image.width(), image.mag());
+    let more: [f64; LANES] = std::array::from_fn(|lane| 0.25 * width[lane] + 1e-14 * size[lane]);
+    *image + Interval8::between(more.map(|m| -m), more)
+}
