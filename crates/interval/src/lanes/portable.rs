@@ -55,6 +55,11 @@ impl Arithmetic for Portable {
     }
 
     #[inline(always)]
+    fn hull(a: &Interval8, b: &Interval8) -> Interval8 {
+        a.hull(b)
+    }
+
+    #[inline(always)]
     fn is_empty(a: &Interval8) -> Mask {
         a.is_empty()
     }
