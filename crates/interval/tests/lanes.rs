@@ -202,6 +202,7 @@ fn shuffled<T: Copy>(items: &[T]) -> Vec<T> {
 
 #[test]
 fn special_ends_on_every_path() {
+    println!("{:?}", Path::available().collect::<Vec<_>>());
     let all = intervals(&ends());
     let single: Vec<_> = all.iter().map(|&x| (x, x)).collect();
     check(&UNARY, &shuffled(&single));

@@ -144,6 +144,11 @@ impl Vector for F64x4 {
         )
     }
 
+    #[inline(always)]
+    fn or_lowest(self) -> F64x4 {
+        self.larger(F64x4::splat(f64::MIN))
+    }
+
     /// Knuth's TwoSum of the larger operand `p` and the smaller one `q`, for all finite operands.
     ///
     /// `s` is the nearest float to `p + q`, and the error `e` is exact if nothing overflows (sums below the

@@ -101,7 +101,7 @@ pub(super) fn sub<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
 /// no product of ends lies outside the result (`0 inf = 0`).
 #[inline(always)]
 fn times<V: Vector>(x: Ends<V>, y: Ends<V>) -> (Ends<V>, u32) {
-    let (zero, lowest) = (V::splat(0.0), V::splat(f64::MIN));
+    let zero = V::splat(0.0);
     let (a, b, c, d) = (x.neg_lo.negated(), x.hi, y.neg_lo.negated(), y.hi);
     let (x_positive, x_negative) = (x.neg_lo.at_most(zero), x.hi.at_most(zero));
     let (y_positive, y_negative) = (y.neg_lo.at_most(zero), y.hi.at_most(zero));
@@ -135,8 +135,8 @@ fn times<V: Vector>(x: Ends<V>, y: Ends<V>) -> (Ends<V>, u32) {
         )
     };
     let product = Ends {
-        neg_lo: V::round_up(neg_lo).larger(lowest),
-        hi: V::round_up(hi).larger(lowest),
+        neg_lo: V::round_up(neg_lo).or_lowest(),
+        hi: V::round_up(hi).or_lowest(),
     };
     (product.empty_where(x.any_empty(y)), open)
 }
@@ -149,12 +149,11 @@ pub(super) fn mul<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
 /// The squares of the numbers of least and of largest magnitude.
 #[inline(always)]
 fn square<V: Vector>(x: Ends<V>) -> (Ends<V>, u32) {
-    let lowest = V::splat(f64::MIN);
     let (near, far) = magnitudes(x);
     let products = [V::negated_product(near, near), V::product(far, far)];
     let ([neg_lo, hi], open) = V::proved(products, [(near, near), (far, far)]);
     let square = Ends {
-        neg_lo: V::round_up(neg_lo).larger(lowest),
+        neg_lo: V::round_up(neg_lo).or_lowest(),
         hi: V::round_up(hi),
     };
     (square.empty_where(x.is_empty()), open)
@@ -182,7 +181,7 @@ pub(super) fn sqr<V: Vector>(a: &Interval8) -> Interval8 {
 /// `0 / y = 0`. Over `[0, 0]` there are none.
 #[inline(always)]
 fn over<V: Vector>(x: Ends<V>, y: Ends<V>) -> (Ends<V>, u32) {
-    let (zero, lowest, infinity) = (V::splat(0.0), V::splat(f64::MIN), V::splat(f64::INFINITY));
+    let (zero, infinity) = (V::splat(0.0), V::splat(f64::INFINITY));
     let turned = y.hi.at_most(zero);
     let both_signs = V::without(y.neg_lo.above(zero), turned);
     let neg_lo = V::select(turned, x.hi, x.neg_lo);
@@ -198,8 +197,8 @@ fn over<V: Vector>(x: Ends<V>, y: Ends<V>) -> (Ends<V>, u32) {
     let is_zero = V::both(neg_lo.equals(zero), hi.equals(zero));
     let whole = V::select(is_zero, zero, infinity);
     let quotient = Ends {
-        neg_lo: V::select(both_signs, whole, V::round_up(lower).larger(lowest)),
-        hi: V::select(both_signs, whole, V::round_up(upper).larger(lowest)),
+        neg_lo: V::select(both_signs, whole, V::round_up(lower).or_lowest()),
+        hi: V::select(both_signs, whole, V::round_up(upper).or_lowest()),
     };
     let open = V::without(
         V::either(lower_open, upper_open),

@@ -2,12 +2,13 @@
 
 use std::sync::OnceLock;
 
-use super::portable::Portable;
+use super::engine::Engine;
+use super::portable::Array;
 use super::{Interval8, Kernel, Mask, Value};
 use crate::Interval;
 
 #[cfg(target_arch = "x86_64")]
-use super::{avx2::F64x4, engine::Engine};
+use super::{avx2::F64x4, avx512::F64x8};
 
 /// The environment variable that chooses a path by its [`Path::name`].
 const VARIABLE: &str = "VERIBOUND_LANES";
@@ -19,6 +20,8 @@ pub enum Path {
     Portable,
     /// Error-free transformations in AVX2 with fused multiplication.
     Avx2,
+    /// Rounding upward in the instructions of AVX-512.
+    Avx512,
 }
 
 /// What was chosen, and what could not be.
@@ -28,7 +31,7 @@ struct Choice {
 }
 
 impl Path {
-    const ALL: [Path; 2] = [Path::Avx2, Path::Portable];
+    const ALL: [Path; 3] = [Path::Avx512, Path::Avx2, Path::Portable];
 
     /// The paths this processor has, the widest first.
     pub fn available() -> impl Iterator<Item = Path> {
@@ -41,6 +44,12 @@ impl Path {
             Path::Portable => true,
             #[cfg(target_arch = "x86_64")]
             Path::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+            #[cfg(target_arch = "x86_64")]
+            Path::Avx512 => {
+                is_x86_feature_detected!("avx512f")
+                    && is_x86_feature_detected!("avx512dq")
+                    && is_x86_feature_detected!("avx512vl")
+            }
             #[cfg(not(target_arch = "x86_64"))]
             _ => false,
         }
@@ -51,6 +60,7 @@ impl Path {
         match self {
             Path::Portable => "portable",
             Path::Avx2 => "avx2",
+            Path::Avx512 => "avx512",
         }
     }
 
@@ -105,7 +115,10 @@ impl Path {
             #[cfg(target_arch = "x86_64")]
             // SAFETY: the processor has the instructions of an available path.
             Path::Avx2 => unsafe { run_avx2(kernel) },
-            _ => kernel.run::<Portable>(),
+            #[cfg(target_arch = "x86_64")]
+            // SAFETY: the processor has the instructions of an available path.
+            Path::Avx512 => unsafe { run_avx512(kernel) },
+            _ => kernel.run::<Engine<Array<4>>>(),
         }
     }
 }
@@ -118,6 +131,14 @@ impl Path {
 #[target_feature(enable = "avx2,fma")]
 unsafe fn run_avx2<K: Kernel<Interval8>>(kernel: K) -> K::Output {
     kernel.run::<Engine<F64x4>>()
+}
+
+/// # Safety
+/// The processor has AVX-512 with the extensions DQ and VL.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+unsafe fn run_avx512<K: Kernel<Interval8>>(kernel: K) -> K::Output {
+    kernel.run::<Engine<F64x8>>()
 }
 
 impl Value for Interval8 {

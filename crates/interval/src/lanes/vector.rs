@@ -44,12 +44,14 @@ pub(super) trait Vector: Copy {
     /// Bit `i` for float `i`.
     fn mask(bits: u32) -> Self::Mask;
 
-    /// What a bound that was rounded up is at least: `-inf` in the lanes of the mask; elsewhere a
-    /// number from which `larger(bound, floor)` makes the smallest float not below the true value, if
-    /// `bound` is this or, for a value that overflowed downward, any of `-inf` and NaN.
+    /// What an end that [`Vector::sum_up`] or [`Vector::round_up`] gave is at least: `-inf` in the lanes of the
+    /// mask, elsewhere the largest negative number (or `-inf`, if this is never given for it).
     fn floor(empty: Self::Mask) -> Self;
+    /// `larger` of the floor of a set that is not empty.
+    fn or_lowest(self) -> Self;
 
-    /// Smallest float not below `a + b`; for operands that are not NaN, up to [`Vector::floor`].
+    /// Smallest float not below `a + b`, for operands that are not NaN; `-inf` or NaN where the sum
+    /// is too small for a float or an operand is `-inf`.
     fn sum_up(self, other: Self) -> Self;
 
     /// `a b`, of which a caller has to ask whether it is [`Vector::proved`].
@@ -59,7 +61,7 @@ pub(super) trait Vector: Copy {
     /// The larger one of two proved products.
     fn larger_upper(a: Self::Upper, b: Self::Upper) -> Self::Upper;
     /// Makes products `0 inf` zero, and tells in which lanes any of the products is not certain to be
-    /// rounded correctly by [`Vector::round_up`]; elsewhere it is (up to [`Vector::floor`]).
+    /// rounded correctly by [`Vector::round_up`].
     fn proved<const N: usize>(
         products: [Self::Upper; N],
         factors: [(Self, Self); N],
@@ -73,7 +75,7 @@ pub(super) trait Vector: Copy {
     fn root(self) -> (Self::Upper, Self::Mask);
     /// The negated square root.
     fn negated_root(self) -> (Self::Upper, Self::Mask);
-    /// Smallest float not below the value.
+    /// Smallest float not below the value; `-inf` or NaN where it is too small for a float.
     fn round_up(value: Self::Upper) -> Self;
 }
 

@@ -13,8 +13,8 @@ pub(crate) const STEP: f64 = f64::from_bits(((1023 - 53) << 52) + 1);
 /// `2^-480` and `2^480`: products, quotients and roots of numbers between them, and all parts of their
 /// error-free transforms, neither overflow nor lose bits below the smallest float; the results are at
 /// least `2^-960`.
-const LEAST: f64 = f64::from_bits((1023 - 480) << 52);
-const MOST: f64 = f64::from_bits((1023 + 480) << 52);
+pub(crate) const LEAST: f64 = f64::from_bits((1023 - 480) << 52);
+pub(crate) const MOST: f64 = f64::from_bits((1023 + 480) << 52);
 
 /// The next float above `s` in the lanes of the mask, `s` elsewhere. Required: `|s| >= 2^-960` there.
 ///
