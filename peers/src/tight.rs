@@ -108,6 +108,31 @@ pub fn tan(x: Interval) -> Interval {
     confirmed(interval(first.0, last.1), x.tan())
 }
 
+/// A size as an interval; NaN, inari's size of the empty set, gives that set.
+pub fn around_zero(size: f64) -> Interval {
+    interval(-size, size)
+}
+
+/// `e^x - 1`.
+pub fn expm1(x: Interval) -> Interval {
+    increasing(x, mpfr::expm1)
+}
+
+/// `ln(1 + x)` for `x > -1`.
+pub fn log1p(x: Interval) -> Interval {
+    if x.sup() <= -1.0 {
+        return Interval::EMPTY;
+    }
+    increasing(x.intersection(interval(-1.0, f64::INFINITY)), mpfr::log1p)
+}
+
+fn increasing(x: Interval, f: Function) -> Interval {
+    if x.is_empty() {
+        return x;
+    }
+    interval(bounds(f, x.inf()).0, bounds(f, x.sup()).1)
+}
+
 /// The `n`-th roots, also of negative numbers for odd `n`; for negative `n` the reciprocals of the roots.
 pub fn rootn(x: Interval, n: i32) -> Interval {
     let domain = if n % 2 == 0 {
