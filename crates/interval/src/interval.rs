@@ -43,6 +43,11 @@ impl Interval {
         lo: 0.0,
         hi: f64::INFINITY,
     };
+    /// All numbers `>= 1`.
+    pub(crate) const FROM_ONE: Interval = Interval {
+        lo: 1.0,
+        hi: f64::INFINITY,
+    };
     /// The range of sine, cosine and sign.
     pub(crate) const UNIT: Interval = Interval { lo: -1.0, hi: 1.0 };
 
@@ -99,7 +104,7 @@ impl Interval {
 
     /// The set `[lo, hi]` for ends that are known to be in order.
     #[inline(always)]
-    pub(crate) fn raw(lo: f64, hi: f64) -> Interval {
+    pub(crate) const fn raw(lo: f64, hi: f64) -> Interval {
         debug_assert!(lo <= hi && lo < f64::INFINITY && hi > f64::NEG_INFINITY);
         Interval { lo, hi }
     }
@@ -227,6 +232,12 @@ impl Interval {
         }
         let mid = self.mid();
         larger(sub_up(self.hi, mid), sub_up(mid, self.lo))
+    }
+
+    /// [`Interval::mid`] and [`Interval::rad`] together: `[mid - rad, mid + rad]` covers the set.
+    #[inline]
+    pub fn mid_rad(self) -> (f64, f64) {
+        (self.mid(), self.rad())
     }
 
     /// The largest absolute value of an element, exactly; 0 for the empty set.

@@ -11,21 +11,29 @@
 //! it), and errors of CORE-MATH below one unit in the last place.
 
 mod arith;
+mod cancel;
 mod decimal;
-mod domain;
+pub mod domain;
 mod elementary;
+mod fused;
 mod interval;
 pub mod lanes;
+pub mod literal;
 mod period;
 mod power;
+mod relation;
 mod reverse;
 pub mod round;
 mod self_test;
+mod step;
 pub mod text;
 mod truth;
 
 pub use decimal::{Decimal, DecimalError, rational_to_interval};
+pub use domain::Regularity;
 pub use interval::Interval;
 pub use lanes::Interval8;
+pub use literal::LiteralError;
+pub use relation::Overlap;
 pub use self_test::{SelfTestError, self_test};
 pub use truth::Truth;

@@ -1,12 +1,19 @@
-//! Squares, integer powers, and bounds of integer roots.
+//! Squares, integer powers and integer roots.
 //!
-//! *Guarantee*: as in [`crate::arith`]. Squares are tight; other powers are products of directed
-//! roundings.
+//! *Guarantee*: as in [`crate::arith`]. Squares are tight. The ends of powers and roots are tight, or in
+//! rare cases (a float among the last of 128 bits) one float further out; values that are floats are
+//! exact. All of it is proved: powers are integers with a counted error ([`scaled`]), and a root is a
+//! float whose power has been compared.
+
+mod real;
+mod scaled;
 
 use crate::Interval;
-use crate::arith::{inward, outward};
+use crate::arith::inward;
 use crate::interval::larger;
-use crate::round::{Lanes, Pair, mul_down, mul_up, product_up};
+use crate::round::{Pair, mul_down, mul_up, product_up};
+use scaled::Scaled;
+pub(crate) use scaled::significand;
 
 impl Interval {
     /// The squares of the elements: never negative, unlike `x * x`.
@@ -26,83 +33,6 @@ impl Interval {
         }
     }
 
-    /// The `n`-th powers of the elements; `x^0 = 1` also at 0, and for negative `n` the element 0 has
-    /// no power.
-    ///
-    /// The ends are products of directed roundings, at most about `|n|` floats from the tight ones.
-    #[inline]
-    pub fn powi(self, n: i32) -> Interval {
-        match n {
-            _ if self.is_empty() => self,
-            0 => Interval::ONE,
-            1 => self,
-            2 => self.sqr(),
-            _ if n < 0 => self.negative_power(n.unsigned_abs()),
-            _ => self.positive_power(n.unsigned_abs()),
-        }
-    }
-
-    /// Powers for `-n`: the reciprocal of the power, or where that overflows, also the power of the
-    /// reciprocal; both contain all powers.
-    fn negative_power(self, n: u32) -> Interval {
-        let power = self.positive_power(n);
-        if power.is_bounded() || !self.is_bounded() {
-            return power.recip();
-        }
-        power.recip().intersect(self.recip().positive_power(n))
-    }
-
-    /// Powers for `n >= 1`: increasing for odd `n`, a function of `|x|` for even `n`.
-    ///
-    /// Repeated squaring of `[-lo, hi]`, or `[-mig, mag]` for even `n`, where the factors keep the sign
-    /// of the first: a negative lane then rounds its magnitude down, a positive one up, as the end it
-    /// becomes needs.
-    fn positive_power(self, n: u32) -> Interval {
-        let even = n.is_multiple_of(2);
-        let mut square = if even {
-            Pair::new(-self.mig(), self.mag())
-        } else {
-            outward(self)
-        };
-        let (mut product, mut started, mut fast, mut rest) = (square, false, true, n);
-        while fast {
-            if rest & 1 == 1 {
-                (product, fast) = if started {
-                    product_up(product, square.abs())
-                } else {
-                    (square, true)
-                };
-                started = true;
-            }
-            rest >>= 1;
-            if rest == 0 {
-                break;
-            }
-            let (next, holds) = product_up(square, square.abs());
-            (square, fast) = (next, fast & holds);
-        }
-        if fast {
-            inward(product)
-        } else {
-            self.power_extreme(n)
-        }
-    }
-
-    /// Powers for `n >= 1`, each end by itself.
-    #[inline(never)]
-    fn power_extreme(self, n: u32) -> Interval {
-        if n.is_multiple_of(2) {
-            return Interval::raw(power_down(self.mig(), n), power_up(self.mag(), n));
-        }
-        let end = |x: f64, up: bool| match (x < 0.0, up) {
-            (false, false) => power_down(x, n),
-            (false, true) => power_up(x, n),
-            (true, false) => -power_up(-x, n),
-            (true, true) => -power_down(-x, n),
-        };
-        Interval::raw(end(self.lo(), false), end(self.hi(), true))
-    }
-
     #[inline(never)]
     fn sqr_extreme(self) -> Interval {
         if self.is_empty() {
@@ -111,49 +41,146 @@ impl Interval {
         let (near, far) = (self.mig(), self.mag());
         Interval::raw(mul_down(near, near), mul_up(far, far))
     }
-}
 
-/// A lower bound of `a^n` for `a >= 0`, `n >= 1`: repeated squaring, every product rounded down.
-/// Products of lower bounds of numbers that are not negative are lower bounds.
-pub(crate) fn power_down(a: f64, n: u32) -> f64 {
-    power(a, n, mul_down)
-}
-
-/// An upper bound of `a^n` for `a >= 0`, `n >= 1`; mirror image of [`power_down`].
-pub(crate) fn power_up(a: f64, n: u32) -> f64 {
-    power(a, n, mul_up)
-}
-
-fn power(a: f64, n: u32, times: impl Fn(f64, f64) -> f64) -> f64 {
-    let (mut square, mut rest) = (a, n);
-    let mut product = None;
-    loop {
-        if rest & 1 == 1 {
-            product = Some(product.map_or(square, |p| times(p, square)));
-        }
-        rest >>= 1;
-        match product {
-            Some(p) if rest == 0 => return p,
-            _ => square = times(square, square),
+    /// The `n`-th powers of the elements; `x^0 = 1` also at 0, and for negative `n` the element 0 has
+    /// no power.
+    ///
+    /// Ends are tight or one float further out. *Cost*: about `2 log2 |n|` products of 128 bits.
+    #[inline]
+    pub fn powi(self, n: i32) -> Interval {
+        match n {
+            _ if self.is_empty() => self,
+            0 => Interval::ONE,
+            1 => self,
+            2 => self.sqr(),
+            -1 => self.recip(),
+            _ => self.by_pieces(n & 1 == 1, |x| power_of_positive(x, n)),
         }
     }
+
+    /// The real `n`-th roots of the elements, for negative `n` their reciprocals: for odd `n` of all
+    /// elements, for even `n` of those `>= 0`; the inverse of [`Interval::powi`] on `x >= 0`.
+    ///
+    /// There is no root for `n = 0` (empty), and none of 0 for negative `n`. Ends are tight or one
+    /// float further out. *Cost*: some ten powers for each end.
+    #[inline]
+    pub fn rootn(self, n: i32) -> Interval {
+        match n {
+            0 => Interval::EMPTY,
+            1 => self,
+            2 => self.sqrt(),
+            -1 => self.recip(),
+            _ => {
+                let positive = root_of_positive(self.intersect(Interval::NON_NEGATIVE), n);
+                if n & 1 == 0 {
+                    return positive;
+                }
+                let negative = root_of_positive((-self).intersect(Interval::NON_NEGATIVE), n);
+                positive.hull(-negative)
+            }
+        }
+    }
+
+    /// A function that is monotone on `x >= 0`, and odd or even.
+    #[inline]
+    fn by_pieces(self, odd: bool, f: impl Fn(Interval) -> Interval) -> Interval {
+        if self.lo() >= 0.0 {
+            f(self)
+        } else if !odd {
+            f(self.abs())
+        } else if self.hi() <= 0.0 {
+            -f(-self)
+        } else {
+            let below = f(Interval::raw(0.0, -self.lo()));
+            f(Interval::raw(0.0, self.hi())).hull(-below)
+        }
+    }
 }
 
-/// A lower bound of the `n`-th root of `a >= 0`, `n >= 2`: the largest float whose power, rounded up,
-/// is not above `a`.
-pub(crate) fn root_down(a: f64, n: u32) -> f64 {
-    if a == 0.0 || a.is_infinite() {
-        return if a == 0.0 { 0.0 } else { f64::MAX };
+/// The `n`-th powers of a nonempty set of numbers `>= 0`, for `n != 0`.
+fn power_of_positive(x: Interval, n: i32) -> Interval {
+    if n > 0 {
+        Interval::raw(power_down(x.lo(), n), power_up(x.hi(), n))
+    } else if x.hi() == 0.0 {
+        Interval::EMPTY
+    } else {
+        Interval::raw(power_down(x.hi(), n), power_up(x.lo(), n))
     }
-    last_that_holds(root_guess(a, n), |x| power_up(x, n) <= a).0
 }
 
-/// An upper bound of the `n`-th root; the smallest float whose power, rounded down, is not below `a`.
-pub(crate) fn root_up(a: f64, n: u32) -> f64 {
-    if a == 0.0 || a.is_infinite() {
-        return a;
+/// A lower bound of `x^n` for `0 <= x <= inf`, in the limit at the ends; the largest float where the
+/// limit is infinite.
+pub(crate) fn power_down(x: f64, n: i32) -> f64 {
+    match limit(x, n) {
+        Some(limit) => limit.min(f64::MAX),
+        None => Scaled::power(x, n).down(),
     }
-    last_that_holds(root_guess(a, n), |x| power_down(x, n) < a).1
+}
+
+/// An upper bound of `x^n`; see [`power_down`].
+pub(crate) fn power_up(x: f64, n: i32) -> f64 {
+    limit(x, n).unwrap_or_else(|| Scaled::power(x, n).up())
+}
+
+/// The limit of `x^n` (or of the root) at 0 and infinity.
+fn limit(x: f64, n: i32) -> Option<f64> {
+    match (x == 0.0, x.is_infinite(), n > 0) {
+        (true, _, true) | (_, true, false) => Some(0.0),
+        (true, _, false) | (_, true, true) => Some(f64::INFINITY),
+        _ => None,
+    }
+}
+
+/// The `n`-th roots of a set of numbers `>= 0`, for `|n| >= 2`.
+fn root_of_positive(x: Interval, n: i32) -> Interval {
+    if x.is_empty() || (n < 0 && x.hi() == 0.0) {
+        return Interval::EMPTY;
+    }
+    let (first, last) = if n > 0 {
+        (x.lo(), x.hi())
+    } else {
+        (x.hi(), x.lo())
+    };
+    Interval::raw(root_down(first, n), root_up(last, n))
+}
+
+/// A lower bound of the `n`-th root of `a >= 0`, `|n| >= 2`: the largest float whose power is proved to
+/// be on the side of `a` where the root is not smaller.
+pub(crate) fn root_down(a: f64, n: i32) -> f64 {
+    if let Some(limit) = limit(a, n) {
+        return limit.min(f64::MAX);
+    }
+    let bound = Scaled::of(a);
+    last_that_holds(root_guess(a, n), |x| {
+        x == 0.0 || {
+            let power = Scaled::power(x, n);
+            if n > 0 {
+                power.is_at_most(bound)
+            } else {
+                power.is_at_least(bound)
+            }
+        }
+    })
+    .0
+}
+
+/// An upper bound of the `n`-th root; see [`root_down`].
+pub(crate) fn root_up(a: f64, n: i32) -> f64 {
+    if let Some(limit) = limit(a, n) {
+        return limit;
+    }
+    let bound = Scaled::of(a);
+    last_that_holds(root_guess(a, n), |x| {
+        x == 0.0 || {
+            let power = Scaled::power(x, n);
+            !if n > 0 {
+                power.is_at_least(bound)
+            } else {
+                power.is_at_most(bound)
+            }
+        }
+    })
+    .1
 }
 
 /// Two neighbours, the first with the property and the second without. Required: 0 has it, the largest
@@ -184,17 +211,12 @@ fn last_that_holds(guess: f64, property: impl Fn(f64) -> bool) -> (f64, f64) {
     (f64::from_bits(with), f64::from_bits(without))
 }
 
-/// A positive finite float near the root, which needs no guarantee: a power with a rounded exponent,
-/// improved by one Newton step.
-fn root_guess(a: f64, n: u32) -> f64 {
-    let degree = f64::from(n);
-    let rough = core_math::pow(a, degree.recip());
-    let better = rough - rough * ((power_down(rough, n) / a - 1.0) / degree);
-    // The powers of subnormal numbers are too coarse for the step.
-    let guess = if a > 1e-290 && better.is_finite() {
-        better
-    } else {
-        rough
+/// A positive finite float near the root, which needs no guarantee. The power with a rounded exponent
+/// is a few hundred floats off at most (the logarithm of a float is below 745).
+fn root_guess(a: f64, n: i32) -> f64 {
+    let guess = match n {
+        3 => core_math::cbrt(a),
+        _ => core_math::pow(a, f64::from(n).recip()),
     };
     guess.clamp(f64::MIN_POSITIVE, f64::MAX)
 }

@@ -6,8 +6,11 @@
 //! proves that the relation cannot hold. Where the solutions have two pieces, each piece is cut with
 //! `x` before the hull is taken.
 
+mod elementary;
+mod periodic;
+mod power;
+
 use crate::Interval;
-use crate::power::{root_down, root_up};
 
 impl Interval {
     /// `{x : b + x in c}`.
@@ -32,17 +35,17 @@ impl Interval {
     /// `b` only, the quotients by the negative and the positive part of `b` are two pieces.
     #[inline]
     pub fn mul_rev(b: Interval, c: Interval, x: Interval) -> Interval {
-        let (first, second) = Interval::mul_rev_pair(b, c);
+        let (first, second) = Interval::mul_rev_to_pair(b, c);
         x.intersect(first).hull(x.intersect(second))
     }
 
     /// The two pieces of `{x : b * x in c}`, from below to above; the second is empty where one
     /// interval holds all.
-    pub fn mul_rev_pair(b: Interval, c: Interval) -> (Interval, Interval) {
+    pub fn mul_rev_to_pair(b: Interval, c: Interval) -> (Interval, Interval) {
         if b.is_empty() || c.is_empty() {
             return (Interval::EMPTY, Interval::EMPTY);
         }
-        if b.recip_defined() {
+        if !b.contains(0.0) {
             return (c / b, Interval::EMPTY);
         }
         if c.contains(0.0) {
@@ -89,78 +92,22 @@ impl Interval {
         both_signs(c.sqrt(), x)
     }
 
-    /// `{x : x^n in c}`; for negative `n` the number 0 is no solution.
-    pub fn powi_rev(n: i32, c: Interval, x: Interval) -> Interval {
-        if n == 0 {
-            return if c.contains(1.0) { x } else { Interval::EMPTY };
-        }
-        let roots = |c: Interval| {
-            let (c, n) = (c.intersect(Interval::NON_NEGATIVE), n.unsigned_abs());
-            if c.is_empty() || n == 1 {
-                c
-            } else {
-                Interval::raw(root_down(c.lo(), n), root_up(c.hi(), n))
-            }
-        };
-        // Solutions below and above 0.
-        let above = roots(c);
-        let below = if n & 1 == 0 { -above } else { -roots(-c) };
-        let (below, above) = if n < 0 {
-            (below.recip(), above.recip())
-        } else {
-            (below, above)
-        };
-        x.intersect(below).hull(x.intersect(above))
-    }
-
     /// `{x : |x| in c}`.
     #[inline]
     pub fn abs_rev(c: Interval, x: Interval) -> Interval {
         both_signs(c.intersect(Interval::NON_NEGATIVE), x)
     }
 
+    /// `{x : 1 / x in c}`.
+    #[inline]
+    pub fn recip_rev(c: Interval, x: Interval) -> Interval {
+        Interval::powi_rev(-1, c, x)
+    }
+
     /// `{x : sqrt(x) in c}`.
     #[inline]
     pub fn sqrt_rev(c: Interval, x: Interval) -> Interval {
         x.intersect(c.intersect(Interval::NON_NEGATIVE).sqr())
-    }
-
-    /// `{x : exp(x) in c}`.
-    #[inline]
-    pub fn exp_rev(c: Interval, x: Interval) -> Interval {
-        x.intersect(c.ln())
-    }
-
-    /// `{x : ln(x) in c}`.
-    #[inline]
-    pub fn ln_rev(c: Interval, x: Interval) -> Interval {
-        x.intersect(c.exp())
-    }
-
-    /// `{x : tanh(x) in c}`.
-    #[inline]
-    pub fn tanh_rev(c: Interval, x: Interval) -> Interval {
-        x.intersect(c.atanh())
-    }
-
-    /// `{x : atan(x) in c}`: the tangents of `c` inside `(-π/2, π/2)`.
-    pub fn atan_rev(c: Interval, x: Interval) -> Interval {
-        // The float below π/2 is the last one where the tangent is on the branch of the arc tangent.
-        let last = std::f64::consts::FRAC_PI_2;
-        if c.is_empty() || c.lo() > last || c.hi() < -last {
-            return Interval::EMPTY;
-        }
-        let lo = if c.lo() < -last {
-            f64::NEG_INFINITY
-        } else {
-            Interval::point(c.lo()).tan().lo()
-        };
-        let hi = if c.hi() > last {
-            f64::INFINITY
-        } else {
-            Interval::point(c.hi()).tan().hi()
-        };
-        x.intersect(Interval::ordered(lo, hi))
     }
 
     /// `{x : sign(x) meets c}`, with `sign(0) = [-1, 1]`.
@@ -197,102 +144,10 @@ impl Interval {
     pub fn max_rev(b: Interval, c: Interval, x: Interval) -> Interval {
         -Interval::min_rev(-b, -c, -x)
     }
-
-    /// `{x : sin(x) in c}`.
-    ///
-    /// On the branch `[kπ - π/2, kπ + π/2]` the solutions are `kπ + (-1)^k asin(c)`. An unbounded or
-    /// very large end of `x` stays as it is.
-    pub fn sin_rev(c: Interval, x: Interval) -> Interval {
-        let principal = c.asin();
-        branches(principal, x, 0.0, |k| {
-            half_turns(k) + if k & 1 == 0 { principal } else { -principal }
-        })
-    }
-
-    /// `{x : cos(x) in c}`: on `[kπ, (k + 1)π]` the solutions are `kπ + acos(c)` for even `k` and
-    /// `(k + 1)π - acos(c)` for odd `k`.
-    pub fn cos_rev(c: Interval, x: Interval) -> Interval {
-        let principal = c.acos();
-        branches(principal, x, 0.5, |k| {
-            if k & 1 == 0 {
-                half_turns(k) + principal
-            } else {
-                half_turns(k + 1) - principal
-            }
-        })
-    }
-
-    /// `{x : tan(x) in c}`: on `(kπ - π/2, kπ + π/2)` the solutions are `kπ + atan(c)`.
-    pub fn tan_rev(c: Interval, x: Interval) -> Interval {
-        let principal = c.atan();
-        branches(principal, x, 0.0, |k| half_turns(k) + principal)
-    }
 }
 
 /// The elements of `x` whose absolute value is in `size`.
 #[inline]
 fn both_signs(size: Interval, x: Interval) -> Interval {
     x.intersect(size).hull(x.intersect(-size))
-}
-
-/// `kπ`; the branch numbers are far below 2^53.
-fn half_turns(k: i64) -> Interval {
-    Interval::PI * Interval::point(k as f64)
-}
-
-/// The hull of `x` with the pieces of all branches `k` of a periodic function.
-///
-/// Branch `k` covers `[(k - 1/2 + shift) π, (k + 1/2 + shift) π]`, the branches together cover the
-/// line, and `piece(k)` encloses all solutions on branch `k`. The lower end of the result is that
-/// of the first piece that meets `x`, counted from one branch before the one that holds `x.lo`; the
-/// rounding error of the branch number is far below 1 for the magnitudes allowed. If no piece between
-/// the two ends meets `x`, there is no solution. The third branch from the end lies inside `x`, if `x`
-/// reaches beyond it, and has a piece, so the search is short.
-fn branches(
-    principal: Interval,
-    x: Interval,
-    shift: f64,
-    piece: impl Fn(i64) -> Interval,
-) -> Interval {
-    const LARGEST: f64 = 1e12;
-    if principal.is_empty() || x.is_empty() {
-        return Interval::EMPTY;
-    }
-    let number = |end: f64| (end / std::f64::consts::PI - shift).round() as i64;
-    let cut = |k: i64| x.intersect(piece(k));
-    let low_known = x.lo().abs() <= LARGEST;
-    let high_known = x.hi().abs() <= LARGEST;
-    let lo = if low_known {
-        let first = number(x.lo()) - 1;
-        let last = if high_known {
-            number(x.hi()) + 1
-        } else {
-            first + 4
-        };
-        match (first..=last).map(cut).find(|piece| !piece.is_empty()) {
-            Some(piece) => piece.lo(),
-            None => return Interval::EMPTY,
-        }
-    } else {
-        x.lo()
-    };
-    let hi = if high_known {
-        let last = number(x.hi()) + 1;
-        let first = if low_known {
-            number(x.lo()) - 1
-        } else {
-            last - 4
-        };
-        match (first..=last)
-            .rev()
-            .map(cut)
-            .find(|piece| !piece.is_empty())
-        {
-            Some(piece) => piece.hi(),
-            None => return Interval::EMPTY,
-        }
-    } else {
-        x.hi()
-    };
-    Interval::ordered(lo, hi)
 }

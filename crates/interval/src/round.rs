@@ -18,7 +18,7 @@ mod lanes;
 mod pair;
 
 pub(crate) use exact::from_scaled;
-pub(crate) use kernel::{product_up, quotient_up, sum_up};
+pub(crate) use kernel::{LEAST, MOST, SMALL, STEP, product_up, quotient_up, sum_up};
 pub(crate) use lanes::Lanes;
 pub(crate) use pair::Pair;
 

@@ -66,6 +66,8 @@ pub trait Arithmetic {
     fn cos(a: &Self::Value) -> Self::Value;
     /// [`Interval::intersect`]
     fn intersect(a: &Self::Value, b: &Self::Value) -> Self::Value;
+    /// [`Interval::hull`]
+    fn hull(a: &Self::Value, b: &Self::Value) -> Self::Value;
     /// [`Interval::is_empty`]
     fn is_empty(a: &Self::Value) -> MaskOf<Self>;
     /// `lo > 0`

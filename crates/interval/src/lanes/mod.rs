@@ -13,11 +13,18 @@
 )]
 
 mod arithmetic;
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod basic;
+mod engine;
 mod interval8;
 mod mask;
 mod path;
 mod portable;
 mod scalar;
+mod vector;
 
 pub use arithmetic::{Arithmetic, Kernel, MaskOf, Value};
 pub use interval8::Interval8;

@@ -36,7 +36,7 @@ macro_rules! forward {
 impl Arithmetic for Scalar {
     type Value = Interval;
 
-    forward!(sqr, sqrt, abs, exp, ln, sin, cos; min, max, intersect);
+    forward!(sqr, sqrt, abs, exp, ln, sin, cos; min, max, intersect, hull);
 
     #[inline(always)]
     fn neg(a: &Interval) -> Interval {

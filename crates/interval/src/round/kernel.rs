@@ -7,12 +7,14 @@
 use super::lanes::Lanes;
 
 /// `2^-960`: from here on the step of [`raised`] is one float.
-const SMALL: f64 = f64::from_bits((1023 - 960) << 52);
+pub(crate) const SMALL: f64 = f64::from_bits((1023 - 960) << 52);
+/// `2^-53 (1 + 2^-52)`: this part of a float is between a half and a whole of the distance to the next.
+pub(crate) const STEP: f64 = f64::from_bits(((1023 - 53) << 52) + 1);
 /// `2^-480` and `2^480`: products, quotients and roots of numbers between them, and all parts of their
 /// error-free transforms, neither overflow nor lose bits below the smallest float; the results are at
 /// least `2^-960`.
-const LEAST: f64 = f64::from_bits((1023 - 480) << 52);
-const MOST: f64 = f64::from_bits((1023 + 480) << 52);
+pub(crate) const LEAST: f64 = f64::from_bits((1023 - 480) << 52);
+pub(crate) const MOST: f64 = f64::from_bits((1023 + 480) << 52);
 
 /// The next float above `s` in the lanes of the mask, `s` elsewhere. Required: `|s| >= 2^-960` there.
 ///
@@ -25,7 +27,6 @@ const MOST: f64 = f64::from_bits((1023 + 480) << 52);
 /// `w = u/2 (1 + 2^-52)`. Beyond the largest float the sum rounds to infinity, as it shall.
 #[inline(always)]
 fn raised<L: Lanes>(s: L, mask: L::Mask) -> L {
-    const STEP: f64 = f64::from_bits(((1023 - 53) << 52) + 1);
     s.plus(s.abs().times(L::splat(STEP)).kept(mask))
 }
 

@@ -1,0 +1,321 @@
+//! The operations on eight intervals, for every instruction set.
+//!
+//! *Guarantee* of each function: in every lane the bits of the operation of [`Interval`] with its name (the
+//! sign of a zero end aside). Both are the smallest possible intervals, so it is enough that each end is the
+//! tight bound. Lanes where this is not certain are done by the scalar operation itself.
+//!
+//! With ends `[-n, h]` stored as `n` and `h`, every end is rounded up; `-inf` is an end only of the empty
+//! set, so that an end of any other set which became `-inf` is a number below the largest negative float,
+//! and [`Vector::floor`] puts that float there.
+
+use super::vector::{Ends, Vector};
+use super::{Interval8, LANES};
+use crate::Interval;
+
+/// Every chunk of two arguments; the lanes that the chunk reports are done one by one.
+#[inline(always)]
+fn binary<V: Vector>(
+    a: &Interval8,
+    b: &Interval8,
+    chunk: impl Fn(Ends<V>, Ends<V>) -> (Ends<V>, u32),
+    exact: fn(Interval, Interval) -> Interval,
+) -> Interval8 {
+    let (mut all, mut rest) = (Interval8::EMPTY, 0);
+    for i in 0..LANES / V::WIDTH {
+        let (ends, open) = chunk(Ends::load(a, i), Ends::load(b, i));
+        ends.store(&mut all, i);
+        rest |= open << (i * V::WIDTH);
+    }
+    if rest != 0 {
+        // Copies, so that the arguments themselves may stay in registers.
+        let (a, b, fast) = (*a, *b, all);
+        all = one_by_one(&a, &b, &fast, rest, exact);
+    }
+    all
+}
+
+#[cold]
+#[inline(never)]
+fn one_by_one(
+    a: &Interval8,
+    b: &Interval8,
+    fast: &Interval8,
+    lanes: u32,
+    exact: fn(Interval, Interval) -> Interval,
+) -> Interval8 {
+    let mut all = *fast;
+    for lane in 0..LANES {
+        if lanes >> lane & 1 == 1 {
+            all.set(lane, exact(a.get(lane), b.get(lane)));
+        }
+    }
+    all
+}
+
+#[inline(always)]
+fn unary<V: Vector>(
+    a: &Interval8,
+    chunk: impl Fn(Ends<V>) -> (Ends<V>, u32),
+    exact: fn(Interval, Interval) -> Interval,
+) -> Interval8 {
+    binary::<V>(a, a, |a, _| chunk(a), exact)
+}
+
+/// A sum with an empty set has an end `-inf - inf` or `-inf`, which becomes the floor `-inf`.
+#[inline(always)]
+fn sum<V: Vector>(a: Ends<V>, b: Ends<V>) -> Ends<V> {
+    let floor = V::floor(a.any_empty(b));
+    Ends {
+        neg_lo: a.neg_lo.sum_up(b.neg_lo).larger(floor),
+        hi: a.hi.sum_up(b.hi).larger(floor),
+    }
+}
+
+#[inline(always)]
+pub(super) fn add<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
+    binary::<V>(a, b, |a, b| (sum(a, b), 0), |a, b| a + b)
+}
+
+#[inline(always)]
+pub(super) fn sub<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
+    let chunk = |a, b: Ends<V>| {
+        let negated = Ends {
+            neg_lo: b.hi,
+            hi: b.neg_lo,
+        };
+        (sum(a, negated), 0)
+    };
+    binary::<V>(a, b, chunk, |a, b| a - b)
+}
+
+/// The table of [`Interval`]'s `Mul`, read as a choice of a factor from `[a, b]` and one from `[c, d]`:
+///
+/// | upper end  | `c >= 0` | `d <= 0` | `c < 0 < d`      |   | lower end  | `c >= 0` | `d <= 0` | `c < 0 < d`      |
+/// |------------|----------|----------|------------------|---|------------|----------|----------|------------------|
+/// | `a >= 0`   | `b d`    | `a d`    | `b d`            |   | `a >= 0`   | `a c`    | `b c`    | `b c`            |
+/// | `b <= 0`   | `b c`    | `a c`    | `a c`            |   | `b <= 0`   | `a d`    | `b d`    | `a d`            |
+/// | `a < 0 < b`| `b d`    | `a c`    | `b d` or `a c`   |   | `a < 0 < b`| `a d`    | `b c`    | `a d` or `b c`   |
+///
+/// Where an interval is `[0, 0]` it is in two rows or columns, and each product of that row is zero. Only
+/// where both factors have both signs a second product counts; computed for all lanes it does no harm, since
+/// no product of ends lies outside the result (`0 inf = 0`).
+#[inline(always)]
+fn times<V: Vector>(x: Ends<V>, y: Ends<V>) -> (Ends<V>, u32) {
+    let zero = V::splat(0.0);
+    let (a, b, c, d) = (x.neg_lo.negated(), x.hi, y.neg_lo.negated(), y.hi);
+    let (x_positive, x_negative) = (x.neg_lo.at_most(zero), x.hi.at_most(zero));
+    let (y_positive, y_negative) = (y.neg_lo.at_most(zero), y.hi.at_most(zero));
+
+    let upper_a = V::either(y_negative, V::without(x_negative, y_positive));
+    let upper_c = V::either(x_negative, V::without(y_negative, x_positive));
+    let upper = (V::select(upper_a, a, b), V::select(upper_c, c, d));
+    let lower_b = V::either(y_negative, V::without(x_positive, y_positive));
+    let lower_c = V::without(V::either(x_positive, y_negative), x_negative);
+    let lower = (V::select(lower_b, b, a), V::select(lower_c, c, d));
+    let products = [
+        V::negated_product(lower.0, lower.1),
+        V::product(upper.0, upper.1),
+    ];
+    let one_sign = V::either(
+        V::either(x_positive, x_negative),
+        V::either(y_positive, y_negative),
+    );
+    let ([neg_lo, hi], open) = if V::bits(one_sign) == (1 << V::WIDTH) - 1 {
+        V::proved(products, [lower, upper])
+    } else {
+        let ([first_neg_lo, first_hi], open) = V::proved(products, [lower, upper]);
+        let second = [V::negated_product(b, c), V::product(a, c)];
+        let ([second_neg_lo, second_hi], more) = V::proved(second, [(b, c), (a, c)]);
+        (
+            [
+                V::larger_upper(first_neg_lo, second_neg_lo),
+                V::larger_upper(first_hi, second_hi),
+            ],
+            open | more,
+        )
+    };
+    let product = Ends {
+        neg_lo: V::round_up(neg_lo).or_lowest(),
+        hi: V::round_up(hi).or_lowest(),
+    };
+    (product.empty_where(x.any_empty(y)), open)
+}
+
+#[inline(always)]
+pub(super) fn mul<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
+    binary::<V>(a, b, times, |a, b| a * b)
+}
+
+/// The squares of the numbers of least and of largest magnitude.
+#[inline(always)]
+fn square<V: Vector>(x: Ends<V>) -> (Ends<V>, u32) {
+    let (near, far) = magnitudes(x);
+    let products = [V::negated_product(near, near), V::product(far, far)];
+    let ([neg_lo, hi], open) = V::proved(products, [(near, near), (far, far)]);
+    let square = Ends {
+        neg_lo: V::round_up(neg_lo).or_lowest(),
+        hi: V::round_up(hi),
+    };
+    (square.empty_where(x.is_empty()), open)
+}
+
+/// The least and the largest absolute value of a set that is not empty.
+///
+/// Of `-lo` and `hi` the larger one is the largest magnitude; the smaller one is negative where the set has one
+/// sign, and then it is the negated magnitude of the nearer end.
+#[inline(always)]
+fn magnitudes<V: Vector>(x: Ends<V>) -> (V, V) {
+    let near = x.neg_lo.smaller(x.hi).negated().larger(V::splat(0.0));
+    (near, x.neg_lo.larger(x.hi))
+}
+
+#[inline(always)]
+pub(super) fn sqr<V: Vector>(a: &Interval8) -> Interval8 {
+    unary::<V>(a, square, |a, _| a.sqr())
+}
+
+/// Quotients over `[c, d]`, after both sets are negated where `d <= 0`, so that `d >= 0`.
+///
+/// For `c >= 0` an end `n` (to be rounded up) is `n / d` if `n <= 0` and else `n / c`, which is `+inf` for `c = 0`,
+/// as it has to be: the quotients are unbounded then. For `c < 0 < d` all numbers are quotients, save
+/// `0 / y = 0`. Over `[0, 0]` there are none.
+#[inline(always)]
+fn over<V: Vector>(x: Ends<V>, y: Ends<V>) -> (Ends<V>, u32) {
+    let (zero, infinity) = (V::splat(0.0), V::splat(f64::INFINITY));
+    let turned = y.hi.at_most(zero);
+    let both_signs = V::without(y.neg_lo.above(zero), turned);
+    let neg_lo = V::select(turned, x.hi, x.neg_lo);
+    let hi = V::select(turned, x.neg_lo, x.hi);
+    // The sign is taken off a lower end -0, and off those of `both_signs`, whose quotients are dropped.
+    let c = V::select(turned, y.hi, y.neg_lo).abs();
+    let d = V::select(turned, y.neg_lo, y.hi);
+    let nothing = V::either(x.any_empty(y), d.at_most(zero));
+
+    let (neg_lo_above, hi_above) = (neg_lo.above(zero), hi.above(zero));
+    let (lower, lower_open) = neg_lo.quotient(V::select(neg_lo_above, c, d));
+    let (upper, upper_open) = hi.quotient(V::select(hi_above, c, d));
+    let is_zero = V::both(neg_lo.equals(zero), hi.equals(zero));
+    let whole = V::select(is_zero, zero, infinity);
+    let quotient = Ends {
+        neg_lo: V::select(both_signs, whole, V::round_up(lower).or_lowest()),
+        hi: V::select(both_signs, whole, V::round_up(upper).or_lowest()),
+    };
+    let open = V::without(
+        V::either(lower_open, upper_open),
+        V::either(both_signs, nothing),
+    );
+    (quotient.empty_where(nothing), V::bits(open))
+}
+
+#[inline(always)]
+pub(super) fn div<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
+    binary::<V>(a, b, over, |a, b| a / b)
+}
+
+/// Roots of the elements that are not negative; none where the upper end is below zero.
+#[inline(always)]
+fn roots<V: Vector>(x: Ends<V>) -> (Ends<V>, u32) {
+    let zero = V::splat(0.0);
+    let nothing = zero.above(x.hi);
+    let (lower, lower_open) = x.neg_lo.negated().larger(zero).negated_root();
+    let (upper, upper_open) = x.hi.larger(zero).root();
+    let root = Ends {
+        neg_lo: V::round_up(lower),
+        hi: V::round_up(upper),
+    };
+    let open = V::without(V::either(lower_open, upper_open), nothing);
+    (root.empty_where(nothing), V::bits(open))
+}
+
+#[inline(always)]
+pub(super) fn sqrt<V: Vector>(a: &Interval8) -> Interval8 {
+    unary::<V>(a, roots, |a, _| a.sqrt())
+}
+
+/// For the empty set both ends stay `-inf`.
+#[inline(always)]
+pub(super) fn abs<V: Vector>(a: &Interval8) -> Interval8 {
+    let chunk = |x: Ends<V>| {
+        let absolute = Ends {
+            neg_lo: x.neg_lo.smaller(x.hi).smaller(V::splat(0.0)),
+            hi: x.neg_lo.larger(x.hi),
+        };
+        (absolute, 0)
+    };
+    unary::<V>(a, chunk, |a, _| a.abs())
+}
+
+#[inline(always)]
+pub(super) fn min<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
+    let chunk = |a: Ends<V>, b: Ends<V>| {
+        let least = Ends {
+            neg_lo: a.neg_lo.larger(b.neg_lo),
+            hi: a.hi.smaller(b.hi),
+        };
+        (least.empty_where(a.any_empty(b)), 0)
+    };
+    binary::<V>(a, b, chunk, Interval::min)
+}
+
+#[inline(always)]
+pub(super) fn max<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
+    let chunk = |a: Ends<V>, b: Ends<V>| {
+        let most = Ends {
+            neg_lo: a.neg_lo.smaller(b.neg_lo),
+            hi: a.hi.larger(b.hi),
+        };
+        (most.empty_where(a.any_empty(b)), 0)
+    };
+    binary::<V>(a, b, chunk, Interval::max)
+}
+
+#[inline(always)]
+pub(super) fn intersect<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
+    let chunk = |a: Ends<V>, b: Ends<V>| {
+        let common = Ends {
+            neg_lo: a.neg_lo.smaller(b.neg_lo),
+            hi: a.hi.smaller(b.hi),
+        };
+        let nothing = common.neg_lo.negated().above(common.hi);
+        (common.empty_where(nothing), 0)
+    };
+    binary::<V>(a, b, chunk, Interval::intersect)
+}
+
+#[inline(always)]
+pub(super) fn hull<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
+    let chunk = |a: Ends<V>, b: Ends<V>| {
+        let hull = Ends {
+            neg_lo: a.neg_lo.larger(b.neg_lo),
+            hi: a.hi.larger(b.hi),
+        };
+        (hull, 0)
+    };
+    binary::<V>(a, b, chunk, Interval::hull)
+}
+
+/// `a` in the lanes of the mask, `b` elsewhere.
+#[inline(always)]
+pub(super) fn select<V: Vector>(mask: u8, a: &Interval8, b: &Interval8) -> Interval8 {
+    let mut all = Interval8::EMPTY;
+    for i in 0..LANES / V::WIDTH {
+        let mask = V::mask(u32::from(mask) >> (i * V::WIDTH));
+        let (a, b) = (Ends::<V>::load(a, i), Ends::<V>::load(b, i));
+        let chosen = Ends {
+            neg_lo: V::select(mask, a.neg_lo, b.neg_lo),
+            hi: V::select(mask, a.hi, b.hi),
+        };
+        chosen.store(&mut all, i);
+    }
+    all
+}
+
+/// The lanes where a question about the ends is true.
+#[inline(always)]
+pub(super) fn test<V: Vector>(a: &Interval8, question: impl Fn(Ends<V>) -> V::Mask) -> u8 {
+    let mut bits = 0;
+    for i in 0..LANES / V::WIDTH {
+        bits |= V::bits(question(Ends::load(a, i))) << (i * V::WIDTH);
+    }
+    bits as u8
+}

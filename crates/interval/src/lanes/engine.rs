@@ -1,0 +1,97 @@
+//! The operations on eight intervals, for one instruction set.
+
+use std::marker::PhantomData;
+
+use super::vector::{Ends, Vector};
+use super::{Arithmetic, Interval8, Mask, basic};
+use crate::Interval;
+
+/// [`Arithmetic`] in registers of the kind `V`.
+pub(super) struct Engine<V>(PhantomData<V>);
+
+macro_rules! basic {
+    ($($name:ident),+; $($name2:ident),+) => {
+        $(#[inline(always)]
+        fn $name(a: &Interval8) -> Interval8 {
+            basic::$name::<V>(a)
+        })+
+        $(#[inline(always)]
+        fn $name2(a: &Interval8, b: &Interval8) -> Interval8 {
+            basic::$name2::<V>(a, b)
+        })+
+    };
+}
+
+macro_rules! lanewise {
+    ($($name:ident),+) => {
+        $(#[inline(always)]
+        fn $name(a: &Interval8) -> Interval8 {
+            Self::map(a, Interval::$name)
+        })+
+    };
+}
+
+impl<V: Vector> Arithmetic for Engine<V> {
+    type Value = Interval8;
+
+    basic!(sqr, sqrt, abs; add, sub, mul, div, min, max, intersect, hull);
+    lanewise!(exp, ln, sin, cos);
+
+    #[inline(always)]
+    fn neg(a: &Interval8) -> Interval8 {
+        -*a
+    }
+
+    #[inline(always)]
+    fn is_empty(a: &Interval8) -> Mask {
+        Mask::from_bits(basic::test::<V>(a, |x| x.is_empty()))
+    }
+
+    #[inline(always)]
+    fn is_positive(a: &Interval8) -> Mask {
+        let zero = V::splat(0.0);
+        Mask::from_bits(basic::test::<V>(a, |x| zero.above(x.neg_lo)))
+    }
+
+    #[inline(always)]
+    fn contains_zero(a: &Interval8) -> Mask {
+        let zero = V::splat(0.0);
+        let inside = |x: Ends<V>| V::both(zero.at_most(x.neg_lo), zero.at_most(x.hi));
+        Mask::from_bits(basic::test::<V>(a, inside))
+    }
+
+    #[inline(always)]
+    fn select(mask: Mask, a: &Interval8, b: &Interval8) -> Interval8 {
+        basic::select::<V>(mask.bits(), a, b)
+    }
+
+    #[inline(always)]
+    fn map(a: &Interval8, f: impl Fn(Interval) -> Interval) -> Interval8 {
+        a.map(f)
+    }
+
+    #[inline(always)]
+    fn map2(a: &Interval8, b: &Interval8, f: impl Fn(Interval, Interval) -> Interval) -> Interval8 {
+        Interval8::from_fn(|lane| f(a.get(lane), b.get(lane)))
+    }
+
+    #[inline(always)]
+    fn map3(
+        a: &Interval8,
+        b: &Interval8,
+        c: &Interval8,
+        f: impl Fn(Interval, Interval, Interval) -> Interval,
+    ) -> Interval8 {
+        Interval8::from_fn(|lane| f(a.get(lane), b.get(lane), c.get(lane)))
+    }
+
+    #[inline(always)]
+    fn test(a: &Interval8, f: impl Fn(Interval) -> bool) -> Mask {
+        Mask::from_fn(|lane| f(a.get(lane)))
+    }
+
+    #[inline(always)]
+    fn test2(a: &Interval8, b: &Interval8, f: impl Fn(Interval, Interval) -> bool) -> Mask {
+        Mask::from_fn(|lane| f(a.get(lane), b.get(lane)))
+    }
+}

@@ -1,0 +1,348 @@
+//! Eight lanes against one: on every path of this machine, each lane of a result has the bits of the scalar
+//! operation (the sign of a zero end aside).
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking"
+)]
+
+mod support;
+
+use support::Source;
+use veribound_interval::lanes::{Arithmetic, Kernel, LANES, Mask, MaskOf, Path};
+use veribound_interval::{Interval, Interval8};
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Operation {
+    Neg,
+    Add,
+    Sub,
+    Mul,
+    Div,
+    Sqr,
+    Sqrt,
+    Abs,
+    Min,
+    Max,
+    Intersect,
+    Hull,
+    Exp,
+    Ln,
+    Sin,
+    Cos,
+}
+
+use Operation::*;
+
+const BINARY: [Operation; 8] = [Add, Sub, Mul, Div, Min, Max, Intersect, Hull];
+const UNARY: [Operation; 4] = [Neg, Sqr, Sqrt, Abs];
+const ELEMENTARY: [Operation; 4] = [Exp, Ln, Sin, Cos];
+
+/// One operation, on lanes and on scalars alike.
+#[inline(always)]
+fn apply<A: Arithmetic>(operation: Operation, a: &A::Value, b: &A::Value) -> A::Value {
+    match operation {
+        Neg => A::neg(a),
+        Add => A::add(a, b),
+        Sub => A::sub(a, b),
+        Mul => A::mul(a, b),
+        Div => A::div(a, b),
+        Sqr => A::sqr(a),
+        Sqrt => A::sqrt(a),
+        Abs => A::abs(a),
+        Min => A::min(a, b),
+        Max => A::max(a, b),
+        Intersect => A::intersect(a, b),
+        Hull => A::hull(a, b),
+        Exp => A::exp(a),
+        Ln => A::ln(a),
+        Sin => A::sin(a),
+        Cos => A::cos(a),
+    }
+}
+
+fn scalar(operation: Operation, a: Interval, b: Interval) -> Interval {
+    match operation {
+        Neg => -a,
+        Add => a + b,
+        Sub => a - b,
+        Mul => a * b,
+        Div => a / b,
+        Sqr => a.sqr(),
+        Sqrt => a.sqrt(),
+        Abs => a.abs(),
+        Min => a.min(b),
+        Max => a.max(b),
+        Intersect => a.intersect(b),
+        Hull => a.hull(b),
+        Exp => a.exp(),
+        Ln => a.ln(),
+        Sin => a.sin(),
+        Cos => a.cos(),
+    }
+}
+
+/// An operation on a whole list.
+struct Apply<'a> {
+    operation: Operation,
+    a: &'a [Interval8],
+    b: &'a [Interval8],
+    out: &'a mut Vec<Interval8>,
+}
+
+impl Kernel<Interval8> for Apply<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arithmetic<Value = Interval8>>(self) {
+        let pairs = self.a.iter().zip(self.b);
+        self.out.clear();
+        // The operation is chosen outside the loop.
+        macro_rules! all {
+            ($($name:ident),+) => {
+                match self.operation {
+                    $($name => self.out.extend(pairs.map(|(a, b)| apply::<A>($name, a, b))),)+
+                }
+            };
+        }
+        all!(
+            Neg, Add, Sub, Mul, Div, Sqr, Sqrt, Abs, Min, Max, Intersect, Hull, Exp, Ln, Sin, Cos
+        );
+    }
+}
+
+fn pack(intervals: impl Iterator<Item = Interval>) -> Vec<Interval8> {
+    let mut all: Vec<Interval> = intervals.collect();
+    while !all.len().is_multiple_of(LANES) {
+        all.push(Interval::EMPTY);
+    }
+    let eight = |part: &[Interval]| Interval8::from_fn(|lane| part[lane]);
+    all.chunks(LANES).map(eight).collect()
+}
+
+/// Every path, every operation, every lane.
+fn check(operations: &[Operation], pairs: &[(Interval, Interval)]) -> u64 {
+    let a = pack(pairs.iter().map(|pair| pair.0));
+    let b = pack(pairs.iter().map(|pair| pair.1));
+    let mut out = Vec::new();
+    let mut cases = 0;
+    for &operation in operations {
+        let expected: Vec<Interval> = (a.iter().zip(&b))
+            .flat_map(|(a, b)| (0..LANES).map(|lane| scalar(operation, a.get(lane), b.get(lane))))
+            .collect();
+        for path in Path::available() {
+            let kernel = Apply {
+                operation,
+                a: &a,
+                b: &b,
+                out: &mut out,
+            };
+            path.run(kernel).unwrap();
+            for (i, expected) in expected.iter().enumerate() {
+                let (at, lane) = (i / LANES, i % LANES);
+                let result = out[at].get(lane);
+                assert!(
+                    result == *expected,
+                    "{path:?} {operation:?} lane {lane} of {:?} and {:?}: {result:?} instead of {expected:?}",
+                    a[at],
+                    b[at],
+                );
+                cases += 1;
+            }
+        }
+    }
+    cases
+}
+
+/// Ends at which something changes: the case, the range, the rounding.
+fn ends() -> Vec<f64> {
+    let mut sizes = vec![
+        0.0,
+        f64::from_bits(1),
+        f64::from_bits(3),
+        f64::MIN_POSITIVE.next_down(),
+        f64::MIN_POSITIVE,
+        1.0_f64.next_down(),
+        1.0,
+        1.0_f64.next_up(),
+        3.0,
+        0.1,
+        2_f64.powi(970),
+        1.5 * 2_f64.powi(971),
+        2_f64.powi(1023),
+        f64::MAX.next_down(),
+        f64::MAX,
+    ];
+    for exponent in [-1021, -960, -537, -511, -480, 480, 511] {
+        sizes.push(2_f64.powi(exponent));
+        sizes.push(2_f64.powi(exponent).next_down());
+    }
+    let mut all: Vec<f64> = sizes.iter().flat_map(|&x| [-x, x]).collect();
+    all.extend([f64::INFINITY, f64::NEG_INFINITY]);
+    all
+}
+
+fn intervals(ends: &[f64]) -> Vec<Interval> {
+    let mut all = vec![Interval::EMPTY];
+    for &lo in ends {
+        all.extend(ends.iter().filter_map(|&hi| Interval::new(lo, hi)));
+    }
+    all
+}
+
+/// The pairs in an order that puts unlike ones side by side.
+fn shuffled<T: Copy>(items: &[T]) -> Vec<T> {
+    let count = items.len();
+    let step = (count / 3..count)
+        .find(|step| num_integer::gcd(*step, count) == 1)
+        .unwrap_or(1);
+    (0..count).map(|i| items[i * step % count]).collect()
+}
+
+#[test]
+fn special_ends_on_every_path() {
+    println!("{:?}", Path::available().collect::<Vec<_>>());
+    let all = intervals(&ends());
+    let single: Vec<_> = all.iter().map(|&x| (x, x)).collect();
+    check(&UNARY, &shuffled(&single));
+    check(&ELEMENTARY, &shuffled(&single));
+    let mut pairs = Vec::new();
+    for (i, &x) in all.iter().enumerate() {
+        // A third of all pairs, another third for each row.
+        pairs.extend(all.iter().skip(i % 3).step_by(3).map(|&y| (x, y)));
+    }
+    check(&BINARY, &shuffled(&pairs));
+}
+
+/// Random intervals: of all magnitudes, often narrow, with equal or zero ends, sometimes unbounded or empty.
+fn interval(source: &mut Source) -> Interval {
+    let (a, b) = source.floats();
+    let (lo, hi) = match source.below(16) {
+        0 => return Interval::EMPTY,
+        1 => (f64::NEG_INFINITY, a),
+        2 => (a, f64::INFINITY),
+        3 => (a.min(0.0), a.max(0.0)),
+        4 => (a, a),
+        5 | 6 => (a, a + a.abs() * source.unit()),
+        7 => (f64::from_bits(a.to_bits()), a.next_up()),
+        _ => (a.min(b), a.max(b)),
+    };
+    Interval::new(lo, hi).unwrap_or(Interval::ENTIRE)
+}
+
+/// Rounds of 4096 pairs; `VERIBOUND_CASES` multiplies them.
+fn rounds(count: usize) -> usize {
+    let factor = std::env::var("VERIBOUND_CASES").ok();
+    count * factor.and_then(|text| text.parse().ok()).unwrap_or(1)
+}
+
+#[test]
+fn random_intervals_on_every_path() {
+    let mut source = Source(0x1a2e_5d01);
+    for _ in 0..rounds(100) {
+        let pairs: Vec<_> = (0..4096)
+            .map(|_| {
+                let x = interval(&mut source);
+                // Related ends, where sums cancel and products are near each other.
+                let y = match source.below(8) {
+                    0 => -x,
+                    1 => x,
+                    2 => Interval::new(-x.hi(), -x.hi().next_down()).unwrap_or(x),
+                    _ => interval(&mut source),
+                };
+                (x, y)
+            })
+            .collect();
+        check(&BINARY, &pairs);
+        check(&UNARY, &pairs);
+    }
+}
+
+/// Ordinary numbers, for which the fast ways are taken in all lanes.
+#[test]
+fn ordinary_intervals_on_every_path() {
+    let mut source = Source(0x07d1_4a27);
+    for _ in 0..rounds(50) {
+        let mut ordinary = || {
+            let lo = source.between(-10.0, 10.0);
+            Interval::new(lo, lo + source.between(0.0, 4.0)).unwrap()
+        };
+        let pairs: Vec<_> = (0..4096).map(|_| (ordinary(), ordinary())).collect();
+        check(&BINARY, &pairs);
+        check(&UNARY, &pairs);
+        check(&ELEMENTARY, &pairs[..512]);
+    }
+}
+
+/// What stands in the other lanes changes nothing.
+#[test]
+fn lanes_are_independent() {
+    let mut source = Source(0x5eed_1a9e);
+    let all = intervals(&ends());
+    for _ in 0..rounds(4000) {
+        let (x, y) = (interval(&mut source), interval(&mut source));
+        let lane = source.below(LANES as u64) as usize;
+        let mut fill = || {
+            let mut all8 = Interval8::from_fn(|_| all[source.below(all.len() as u64) as usize]);
+            all8.set(lane, x);
+            all8
+        };
+        let (a, mut b) = (fill(), fill());
+        b.set(lane, y);
+        for operation in BINARY.into_iter().chain(UNARY).chain(ELEMENTARY) {
+            for path in Path::available() {
+                let mut out = Vec::new();
+                path.run(Apply {
+                    operation,
+                    a: &[a],
+                    b: &[b],
+                    out: &mut out,
+                })
+                .unwrap();
+                let expected = scalar(operation, x, y);
+                assert_eq!(
+                    out[0].get(lane),
+                    expected,
+                    "{path:?} {operation:?} {lane} {a:?} {b:?}"
+                );
+            }
+        }
+    }
+}
+
+/// The questions, and the choice by a mask.
+struct Questions<'a>(&'a Interval8, &'a Interval8, Mask);
+
+impl Kernel<Interval8> for Questions<'_> {
+    type Output = ([Mask; 3], Interval8);
+
+    #[inline(always)]
+    fn run<A: Arithmetic<Value = Interval8>>(self) -> Self::Output {
+        let Questions(a, b, mask) = self;
+        let answers: [MaskOf<A>; 3] = [A::is_empty(a), A::is_positive(a), A::contains_zero(a)];
+        (answers, A::select(mask, a, b))
+    }
+}
+
+#[test]
+fn questions_and_choices_on_every_path() {
+    let all = shuffled(&intervals(&ends()));
+    let packed = pack(all.into_iter());
+    let mut source = Source(0xa5);
+    for pair in packed.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let mask = Mask::from_bits(source.bits() as u8);
+        for path in Path::available() {
+            let ([empty, positive, zero], chosen) = path.run(Questions(&a, &b, mask)).unwrap();
+            for lane in 0..LANES {
+                let x = a.get(lane);
+                assert_eq!(empty.get(lane), x.is_empty());
+                assert_eq!(positive.get(lane), x.lo() > 0.0);
+                assert_eq!(zero.get(lane), x.contains(0.0));
+                let wanted = if mask.get(lane) { x } else { b.get(lane) };
+                assert_eq!(chosen.get(lane), wanted);
+            }
+        }
+    }
+}
