@@ -12,26 +12,25 @@ use super::vector::{Ends, Vector};
 use super::{Interval8, LANES};
 use crate::Interval;
 
-/// Every chunk of two arguments; the lanes that the chunk reports are done one by one.
-#[inline(always)]
-fn binary<V: Vector>(
-    a: &Interval8,
-    b: &Interval8,
-    chunk: impl Fn(Ends<V>, Ends<V>) -> (Ends<V>, u32),
-    exact: fn(Interval, Interval) -> Interval,
-) -> Interval8 {
-    let (mut all, mut rest) = (Interval8::EMPTY, 0);
-    for i in 0..LANES / V::WIDTH {
-        let (ends, open) = chunk(Ends::load(a, i), Ends::load(b, i));
-        ends.store(&mut all, i);
-        rest |= open << (i * V::WIDTH);
-    }
-    if rest != 0 {
-        // Copies, so that the arguments themselves may stay in registers.
-        let (a, b, fast) = (*a, *b, all);
-        all = one_by_one(&a, &b, &fast, rest, exact);
-    }
-    all
+/// Every chunk of two arguments by the function `$chunk`; the lanes that it reports are done one by one.
+///
+/// A macro, because a closure or a function passed as a value is a function without the instruction set:
+/// neither would it be inlined, nor would the instructions be inlined into it.
+macro_rules! chunks {
+    ($vector:ident, $a:expr, $b:expr, $chunk:ident, $exact:expr) => {{
+        let (mut all, mut rest) = (Interval8::EMPTY, 0);
+        for i in 0..LANES / $vector::WIDTH {
+            let (ends, open) = $chunk(Ends::<$vector>::load($a, i), Ends::<$vector>::load($b, i));
+            ends.store(&mut all, i);
+            rest |= open << (i * $vector::WIDTH);
+        }
+        if rest != 0 {
+            // Copies, so that the arguments themselves may stay in registers.
+            let (a, b, fast) = (*$a, *$b, all);
+            all = one_by_one(&a, &b, &fast, rest, $exact);
+        }
+        all
+    }};
 }
 
 #[cold]
@@ -52,40 +51,34 @@ fn one_by_one(
     all
 }
 
-#[inline(always)]
-fn unary<V: Vector>(
-    a: &Interval8,
-    chunk: impl Fn(Ends<V>) -> (Ends<V>, u32),
-    exact: fn(Interval, Interval) -> Interval,
-) -> Interval8 {
-    binary::<V>(a, a, |a, _| chunk(a), exact)
-}
-
 /// A sum with an empty set has an end `-inf - inf` or `-inf`, which becomes the floor `-inf`.
 #[inline(always)]
-fn sum<V: Vector>(a: Ends<V>, b: Ends<V>) -> Ends<V> {
+fn sum<V: Vector>(a: Ends<V>, b: Ends<V>) -> (Ends<V>, u32) {
     let floor = V::floor(a.any_empty(b));
-    Ends {
+    let sum = Ends {
         neg_lo: a.neg_lo.sum_up(b.neg_lo).larger(floor),
         hi: a.hi.sum_up(b.hi).larger(floor),
-    }
+    };
+    (sum, 0)
+}
+
+#[inline(always)]
+fn difference<V: Vector>(a: Ends<V>, b: Ends<V>) -> (Ends<V>, u32) {
+    let negated = Ends {
+        neg_lo: b.hi,
+        hi: b.neg_lo,
+    };
+    sum(a, negated)
 }
 
 #[inline(always)]
 pub(super) fn add<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
-    binary::<V>(a, b, |a, b| (sum(a, b), 0), |a, b| a + b)
+    chunks!(V, a, b, sum, |a, b| a + b)
 }
 
 #[inline(always)]
 pub(super) fn sub<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
-    let chunk = |a, b: Ends<V>| {
-        let negated = Ends {
-            neg_lo: b.hi,
-            hi: b.neg_lo,
-        };
-        (sum(a, negated), 0)
-    };
-    binary::<V>(a, b, chunk, |a, b| a - b)
+    chunks!(V, a, b, difference, |a, b| a - b)
 }
 
 /// The table of [`Interval`]'s `Mul`, read as a choice of a factor from `[a, b]` and one from `[c, d]`:
@@ -143,12 +136,12 @@ fn times<V: Vector>(x: Ends<V>, y: Ends<V>) -> (Ends<V>, u32) {
 
 #[inline(always)]
 pub(super) fn mul<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
-    binary::<V>(a, b, times, |a, b| a * b)
+    chunks!(V, a, b, times, |a, b| a * b)
 }
 
 /// The squares of the numbers of least and of largest magnitude.
 #[inline(always)]
-fn square<V: Vector>(x: Ends<V>) -> (Ends<V>, u32) {
+fn square<V: Vector>(x: Ends<V>, _: Ends<V>) -> (Ends<V>, u32) {
     let (near, far) = magnitudes(x);
     let products = [V::negated_product(near, near), V::product(far, far)];
     let ([neg_lo, hi], open) = V::proved(products, [(near, near), (far, far)]);
@@ -171,7 +164,7 @@ fn magnitudes<V: Vector>(x: Ends<V>) -> (V, V) {
 
 #[inline(always)]
 pub(super) fn sqr<V: Vector>(a: &Interval8) -> Interval8 {
-    unary::<V>(a, square, |a, _| a.sqr())
+    chunks!(V, a, a, square, |a, _| a.sqr())
 }
 
 /// Quotients over `[c, d]`, after both sets are negated where `d <= 0`, so that `d >= 0`.
@@ -209,12 +202,12 @@ fn over<V: Vector>(x: Ends<V>, y: Ends<V>) -> (Ends<V>, u32) {
 
 #[inline(always)]
 pub(super) fn div<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
-    binary::<V>(a, b, over, |a, b| a / b)
+    chunks!(V, a, b, over, |a, b| a / b)
 }
 
 /// Roots of the elements that are not negative; none where the upper end is below zero.
 #[inline(always)]
-fn roots<V: Vector>(x: Ends<V>) -> (Ends<V>, u32) {
+fn roots<V: Vector>(x: Ends<V>, _: Ends<V>) -> (Ends<V>, u32) {
     let zero = V::splat(0.0);
     let nothing = zero.above(x.hi);
     let (lower, lower_open) = x.neg_lo.negated().larger(zero).negated_root();
@@ -229,69 +222,79 @@ fn roots<V: Vector>(x: Ends<V>) -> (Ends<V>, u32) {
 
 #[inline(always)]
 pub(super) fn sqrt<V: Vector>(a: &Interval8) -> Interval8 {
-    unary::<V>(a, roots, |a, _| a.sqrt())
+    chunks!(V, a, a, roots, |a, _| a.sqrt())
 }
 
 /// For the empty set both ends stay `-inf`.
 #[inline(always)]
-pub(super) fn abs<V: Vector>(a: &Interval8) -> Interval8 {
-    let chunk = |x: Ends<V>| {
-        let absolute = Ends {
-            neg_lo: x.neg_lo.smaller(x.hi).smaller(V::splat(0.0)),
-            hi: x.neg_lo.larger(x.hi),
-        };
-        (absolute, 0)
+fn absolute<V: Vector>(x: Ends<V>, _: Ends<V>) -> (Ends<V>, u32) {
+    let absolute = Ends {
+        neg_lo: x.neg_lo.smaller(x.hi).smaller(V::splat(0.0)),
+        hi: x.neg_lo.larger(x.hi),
     };
-    unary::<V>(a, chunk, |a, _| a.abs())
+    (absolute, 0)
+}
+
+#[inline(always)]
+pub(super) fn abs<V: Vector>(a: &Interval8) -> Interval8 {
+    chunks!(V, a, a, absolute, |a, _| a.abs())
+}
+
+#[inline(always)]
+fn least<V: Vector>(a: Ends<V>, b: Ends<V>) -> (Ends<V>, u32) {
+    let least = Ends {
+        neg_lo: a.neg_lo.larger(b.neg_lo),
+        hi: a.hi.smaller(b.hi),
+    };
+    (least.empty_where(a.any_empty(b)), 0)
 }
 
 #[inline(always)]
 pub(super) fn min<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
-    let chunk = |a: Ends<V>, b: Ends<V>| {
-        let least = Ends {
-            neg_lo: a.neg_lo.larger(b.neg_lo),
-            hi: a.hi.smaller(b.hi),
-        };
-        (least.empty_where(a.any_empty(b)), 0)
+    chunks!(V, a, b, least, Interval::min)
+}
+
+#[inline(always)]
+fn most<V: Vector>(a: Ends<V>, b: Ends<V>) -> (Ends<V>, u32) {
+    let most = Ends {
+        neg_lo: a.neg_lo.smaller(b.neg_lo),
+        hi: a.hi.larger(b.hi),
     };
-    binary::<V>(a, b, chunk, Interval::min)
+    (most.empty_where(a.any_empty(b)), 0)
 }
 
 #[inline(always)]
 pub(super) fn max<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
-    let chunk = |a: Ends<V>, b: Ends<V>| {
-        let most = Ends {
-            neg_lo: a.neg_lo.smaller(b.neg_lo),
-            hi: a.hi.larger(b.hi),
-        };
-        (most.empty_where(a.any_empty(b)), 0)
+    chunks!(V, a, b, most, Interval::max)
+}
+
+#[inline(always)]
+fn common<V: Vector>(a: Ends<V>, b: Ends<V>) -> (Ends<V>, u32) {
+    let common = Ends {
+        neg_lo: a.neg_lo.smaller(b.neg_lo),
+        hi: a.hi.smaller(b.hi),
     };
-    binary::<V>(a, b, chunk, Interval::max)
+    let nothing = common.neg_lo.negated().above(common.hi);
+    (common.empty_where(nothing), 0)
 }
 
 #[inline(always)]
 pub(super) fn intersect<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
-    let chunk = |a: Ends<V>, b: Ends<V>| {
-        let common = Ends {
-            neg_lo: a.neg_lo.smaller(b.neg_lo),
-            hi: a.hi.smaller(b.hi),
-        };
-        let nothing = common.neg_lo.negated().above(common.hi);
-        (common.empty_where(nothing), 0)
+    chunks!(V, a, b, common, Interval::intersect)
+}
+
+#[inline(always)]
+fn joined<V: Vector>(a: Ends<V>, b: Ends<V>) -> (Ends<V>, u32) {
+    let hull = Ends {
+        neg_lo: a.neg_lo.larger(b.neg_lo),
+        hi: a.hi.larger(b.hi),
     };
-    binary::<V>(a, b, chunk, Interval::intersect)
+    (hull, 0)
 }
 
 #[inline(always)]
 pub(super) fn hull<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
-    let chunk = |a: Ends<V>, b: Ends<V>| {
-        let hull = Ends {
-            neg_lo: a.neg_lo.larger(b.neg_lo),
-            hi: a.hi.larger(b.hi),
-        };
-        (hull, 0)
-    };
-    binary::<V>(a, b, chunk, Interval::hull)
+    chunks!(V, a, b, joined, Interval::hull)
 }
 
 /// `a` in the lanes of the mask, `b` elsewhere.
@@ -310,12 +313,26 @@ pub(super) fn select<V: Vector>(mask: u8, a: &Interval8, b: &Interval8) -> Inter
     all
 }
 
-/// The lanes where a question about the ends is true.
-#[inline(always)]
-pub(super) fn test<V: Vector>(a: &Interval8, question: impl Fn(Ends<V>) -> V::Mask) -> u8 {
-    let mut bits = 0;
-    for i in 0..LANES / V::WIDTH {
-        bits |= V::bits(question(Ends::load(a, i))) << (i * V::WIDTH);
-    }
-    bits as u8
+macro_rules! tests {
+    ($($(#[$note:meta])* $name:ident: |$x:ident| $question:expr;)+) => {
+        $($(#[$note])*
+        #[inline(always)]
+        pub(super) fn $name<V: Vector>(a: &Interval8) -> u8 {
+            let mut bits = 0;
+            for i in 0..LANES / V::WIDTH {
+                let $x = Ends::<V>::load(a, i);
+                bits |= V::bits($question) << (i * V::WIDTH);
+            }
+            bits as u8
+        })+
+    };
+}
+
+tests! {
+    /// The lanes without elements.
+    is_empty: |x| x.is_empty();
+    /// The lanes with positive elements only.
+    is_positive: |x| V::splat(0.0).above(x.neg_lo);
+    /// The lanes with 0 as an element.
+    contains_zero: |x| V::both(V::splat(0.0).at_most(x.neg_lo), V::splat(0.0).at_most(x.hi));
 }

@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use super::vector::{Ends, Vector};
+use super::vector::Vector;
 use super::{Arithmetic, Interval8, Mask, basic};
 use crate::Interval;
 
@@ -44,20 +44,17 @@ impl<V: Vector> Arithmetic for Engine<V> {
 
     #[inline(always)]
     fn is_empty(a: &Interval8) -> Mask {
-        Mask::from_bits(basic::test::<V>(a, |x| x.is_empty()))
+        Mask::from_bits(basic::is_empty::<V>(a))
     }
 
     #[inline(always)]
     fn is_positive(a: &Interval8) -> Mask {
-        let zero = V::splat(0.0);
-        Mask::from_bits(basic::test::<V>(a, |x| zero.above(x.neg_lo)))
+        Mask::from_bits(basic::is_positive::<V>(a))
     }
 
     #[inline(always)]
     fn contains_zero(a: &Interval8) -> Mask {
-        let zero = V::splat(0.0);
-        let inside = |x: Ends<V>| V::both(zero.at_most(x.neg_lo), zero.at_most(x.hi));
-        Mask::from_bits(basic::test::<V>(a, inside))
+        Mask::from_bits(basic::contains_zero::<V>(a))
     }
 
     #[inline(always)]
