@@ -13,6 +13,7 @@ use common::models::{self, CHAIN, RIG_EXPLICIT, RIG_MIRRORED, RIG_SHORT, Target}
 use common::{Rng, interval, read};
 use veribound_flow::{StepOptions, System, Workspace};
 use veribound_interval::Interval;
+use veribound_interval::lanes::{Interval8, LANES, Mask};
 
 struct Stepper {
     system: System,
@@ -294,4 +295,54 @@ fn scratch_leaves_no_trace() {
             );
         }
     }
+}
+
+/// What becomes of a box does not depend on those beside it: eight different boxes in one step end
+/// where each of them ends alone, modes and failures included.
+#[test]
+fn eight_boxes_are_eight_single_ones() {
+    let mut failures = 0;
+    for (k, target) in all().enumerate() {
+        let mut rng = Rng(500 + k as u64);
+        let mut together = Stepper::new(target, StepOptions::default());
+        let mut alone = Stepper::new(target, StepOptions::default());
+        for case in 0..40 {
+            let inputs = boxes(target, &mut rng).inputs;
+            let list: Vec<Boxes> = (0..LANES)
+                .map(|_| Boxes {
+                    inputs: inputs.clone(),
+                    ..boxes(target, &mut rng)
+                })
+                .collect();
+            let h = Interval::point(rng.pick(&STEPS));
+            let lanes = Mask::from_fn(|_| true).without(Mask::lane(case % LANES));
+            let coordinate = |i: usize| {
+                let of = |b: &Boxes| b.states.iter().chain(&b.params).copied().nth(i).unwrap();
+                Interval8::from_fn(|lane| of(&list[lane]))
+            };
+            let dimension = list[0].states.len() + list[0].params.len();
+            let mut eight: Vec<Interval8> = (0..dimension).map(coordinate).collect();
+            let Stepper { system, workspace } = &mut together;
+            let reports = system.step_eight(&mut eight, lanes, &inputs, h, workspace);
+            for lane in lanes.lanes() {
+                let mut states = list[lane].states.clone();
+                let Stepper { system, workspace } = &mut alone;
+                let params = &list[lane].params;
+                let report = system.step(&mut states, params, &inputs, h, workspace);
+                let story = format!("{} case {case} lane {lane}", target.name);
+                assert_eq!(reports[lane], report, "{story}");
+                failures += usize::from(report.is_err());
+                for (state, x) in states.iter().enumerate() {
+                    assert_eq!(eight[state].get(lane), *x, "{story}");
+                    if report.is_ok() {
+                        let tube = together.workspace.tubes()[state].get(lane);
+                        assert_eq!(tube, alone.workspace.tube()[state], "{story}");
+                        let velocity = together.workspace.velocities()[state].get(lane);
+                        assert_eq!(velocity, alone.workspace.velocity()[state], "{story}");
+                    }
+                }
+            }
+        }
+    }
+    assert!(failures > 0, "no step failed: failures are not compared");
 }
