@@ -7,7 +7,8 @@ use crate::round::{add_down, add_up, from_scaled, mul_down, mul_up};
 impl Interval {
     /// `x y + z` for the elements, with `x` in `self`: the ends are tight, as if rounded once.
     ///
-    /// `x y + z` is increasing in `z`, and over the box of `x` and `y` its extremes are at the corners.
+    /// `x y + z` increases with `z`, and its extremes over the box of `x` and `y` are where those of the
+    /// product are: at the corners of the table of [`Interval`]'s product.
     pub fn fma(self, y: Interval, z: Interval) -> Interval {
         if self.is_empty() || y.is_empty() || z.is_empty() {
             return Interval::EMPTY;
@@ -15,10 +16,20 @@ impl Interval {
         let ((a, b), (c, d)) = ((self.lo(), self.hi()), (y.lo(), y.hi()));
         let lo = |x, y| fused(x, y, z.lo(), false);
         let hi = |x, y| fused(x, y, z.hi(), true);
-        Interval::raw(
-            smaller(smaller(lo(a, c), lo(a, d)), smaller(lo(b, c), lo(b, d))),
-            larger(larger(hi(a, c), hi(a, d)), larger(hi(b, c), hi(b, d))),
-        )
+        let (lo, hi) = if a >= 0.0 {
+            let (least, most) = (if c >= 0.0 { a } else { b }, if d <= 0.0 { a } else { b });
+            (lo(least, c), hi(most, d))
+        } else if b <= 0.0 {
+            let (least, most) = (if d <= 0.0 { b } else { a }, if c >= 0.0 { b } else { a });
+            (lo(least, d), hi(most, c))
+        } else if c >= 0.0 {
+            (lo(a, d), hi(b, d))
+        } else if d <= 0.0 {
+            (lo(b, c), hi(a, c))
+        } else {
+            (smaller(lo(a, d), lo(b, c)), larger(hi(a, c), hi(b, d)))
+        };
+        Interval::raw(lo, hi)
     }
 }
 

@@ -3,12 +3,15 @@
 //! - [`Interval`]: a closed set of real numbers, with the operations of the set-based IEEE 1788 model,
 //!   reverse operations for contractors and three-valued comparisons ([`Truth`]).
 //! - [`round`]: tight directed `+ - * / sqrt` on floats, without changing the rounding mode.
-//! - [`Decimal`]: exact decimal numbers, [`text`]: decimal output rounded outward.
+//! - [`Decimal`]: exact decimal numbers, [`literal`]: fractions, hexadecimal floats and intervals as text,
+//!   [`text`]: decimal output rounded outward.
+//! - [`domain`]: whether an operation is defined, continuous and smooth on the whole of its arguments.
 //! - [`self_test`]: refuses an arithmetic that the proofs do not cover.
 //!
 //! *Guarantee*: whatever real numbers lie in the arguments, the value of the operation on them lies in
 //! the result. Assumed: round-to-nearest arithmetic with subnormal numbers ([`self_test`] checks
-//! it), and errors of CORE-MATH below one unit in the last place.
+//! it), and errors of CORE-MATH below one unit in the last place. `CONFORMANCE.md` beside this crate's
+//! manifest lists every operation with its tightness, and what is proved and what is trusted.
 
 mod arith;
 mod cancel;

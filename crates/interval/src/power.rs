@@ -2,9 +2,11 @@
 //!
 //! *Guarantee*: as in [`crate::arith`]. Squares are tight. The ends of powers and roots are tight, or in
 //! rare cases (a float among the last of 128 bits) one float further out; values that are floats are
-//! exact. All of it is proved: powers are integers with a counted error ([`scaled`]), and a root is a
-//! float whose power has been compared.
+//! exact. All of it is proved: powers are sums of two floats with a bounded error ([`double`]) or, where that
+//! does not decide, integers with a counted one ([`scaled`]); a root is a float whose power has been
+//! compared.
 
+mod double;
 mod real;
 mod scaled;
 
@@ -12,6 +14,7 @@ use crate::Interval;
 use crate::arith::inward;
 use crate::interval::larger;
 use crate::round::{Pair, mul_down, mul_up, product_up};
+use double::Near;
 use scaled::Scaled;
 pub(crate) use scaled::significand;
 
@@ -45,7 +48,8 @@ impl Interval {
     /// The `n`-th powers of the elements; `x^0 = 1` also at 0, and for negative `n` the element 0 has
     /// no power.
     ///
-    /// Ends are tight or one float further out. *Cost*: about `2 log2 |n|` products of 128 bits.
+    /// Ends are tight or one float further out. *Cost*: about `2 log2 |n|` products in twice the precision
+    /// of floats; of 128 bits, several times as dear, for `|n| > 64` and very large or small powers.
     #[inline]
     pub fn powi(self, n: i32) -> Interval {
         match n {
@@ -99,18 +103,24 @@ impl Interval {
 
 /// The `n`-th powers of a nonempty set of numbers `>= 0`, for `n != 0`.
 fn power_of_positive(x: Interval, n: i32) -> Interval {
-    if n > 0 {
-        Interval::raw(power_down(x.lo(), n), power_up(x.hi(), n))
+    let (first, last) = if n > 0 {
+        (x.lo(), x.hi())
     } else if x.hi() == 0.0 {
-        Interval::EMPTY
+        return Interval::EMPTY;
     } else {
-        Interval::raw(power_down(x.hi(), n), power_up(x.lo(), n))
-    }
+        (x.hi(), x.lo())
+    };
+    let near = Near::power(Pair::new(first, last), n);
+    let (lo, hi) = near.map_or((None, None), |near| (near.down(), near.up()));
+    Interval::raw(
+        lo.unwrap_or_else(|| power_down(first, n)),
+        hi.unwrap_or_else(|| power_up(last, n)),
+    )
 }
 
 /// A lower bound of `x^n` for `0 <= x <= inf`, in the limit at the ends; the largest float where the
 /// limit is infinite.
-pub(crate) fn power_down(x: f64, n: i32) -> f64 {
+fn power_down(x: f64, n: i32) -> f64 {
     match limit(x, n) {
         Some(limit) => limit.min(f64::MAX),
         None => Scaled::power(x, n).down(),
@@ -118,7 +128,7 @@ pub(crate) fn power_down(x: f64, n: i32) -> f64 {
 }
 
 /// An upper bound of `x^n`; see [`power_down`].
-pub(crate) fn power_up(x: f64, n: i32) -> f64 {
+fn power_up(x: f64, n: i32) -> f64 {
     limit(x, n).unwrap_or_else(|| Scaled::power(x, n).up())
 }
 
@@ -146,7 +156,7 @@ fn root_of_positive(x: Interval, n: i32) -> Interval {
 
 /// A lower bound of the `n`-th root of `a >= 0`, `|n| >= 2`: the largest float whose power is proved to
 /// be on the side of `a` where the root is not smaller.
-pub(crate) fn root_down(a: f64, n: i32) -> f64 {
+fn root_down(a: f64, n: i32) -> f64 {
     if let Some(limit) = limit(a, n) {
         return limit.min(f64::MAX);
     }
@@ -165,7 +175,7 @@ pub(crate) fn root_down(a: f64, n: i32) -> f64 {
 }
 
 /// An upper bound of the `n`-th root; see [`root_down`].
-pub(crate) fn root_up(a: f64, n: i32) -> f64 {
+fn root_up(a: f64, n: i32) -> f64 {
     if let Some(limit) = limit(a, n) {
         return limit;
     }

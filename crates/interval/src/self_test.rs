@@ -86,13 +86,55 @@ pub fn self_test() -> Result<(), SelfTestError> {
         return Err(SelfTestError::NotRoundedToNearest);
     }
 
-    let known = core_math::exp(black_box(1.0)).to_bits() == 0x4005_bf0a_8b14_5769
-        && core_math::log(black_box(2.0)).to_bits() == 0x3fe6_2e42_fefa_39ef
-        && core_math::atan(black_box(1.0)).to_bits() == 0x3fe9_21fb_5444_2d18
-        && core_math::sin(black_box(std::f64::consts::PI)).to_bits() == 0x3ca1_a626_3314_5c07;
-    if known {
+    if known_values().all(|(found, known)| black_box(found).to_bits() == known.to_bits()) {
         Ok(())
     } else {
         Err(SelfTestError::ElementaryFunctionWrong)
+    }
+}
+
+/// One value of every elementary function that is called, and the float nearest to the true value.
+fn known_values() -> impl Iterator<Item = (f64, f64)> {
+    use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, LN_2, LOG2_E, LOG10_2, PI, SQRT_2};
+    let bits = f64::from_bits;
+    let (half, one, two) = (black_box(0.5), black_box(1.0), black_box(2.0));
+    [
+        (core_math::exp(one), std::f64::consts::E),
+        (core_math::exp2(half), SQRT_2),
+        (core_math::exp10(half), black_box(10.0_f64).sqrt()),
+        (core_math::expm1(one), bits(0x3ffb_7e15_1628_aed3)),
+        (core_math::log(two), LN_2),
+        (core_math::log2(std::f64::consts::E), LOG2_E),
+        (core_math::log10(two), LOG10_2),
+        (core_math::log1p(one), LN_2),
+        (core_math::pow(two, half), SQRT_2),
+        (core_math::cbrt(black_box(27.0)), 3.0),
+        (core_math::sin(black_box(PI)), bits(0x3ca1_a626_3314_5c07)),
+        (
+            core_math::cos(black_box(FRAC_PI_2)),
+            bits(0x3c91_a626_3314_5c07),
+        ),
+        (core_math::tan(black_box(FRAC_PI_4)), 1.0_f64.next_down()),
+        (core_math::asin(one), FRAC_PI_2),
+        (core_math::acos(-one), PI),
+        (core_math::atan(one), FRAC_PI_4),
+        (core_math::atan2(one, -one), 3.0 * FRAC_PI_4),
+        (core_math::sinh(one), bits(0x3ff2_cd9f_c44e_b982)),
+        (core_math::cosh(one), bits(0x3ff8_b075_51d9_f550)),
+        (core_math::tanh(one), bits(0x3fe8_5efa_b514_f394)),
+        (core_math::asinh(one), bits(0x3fec_3436_6179_d427)),
+        (core_math::acosh(two), bits(0x3ff5_1242_7198_0435)),
+        (core_math::atanh(half), bits(0x3fe1_93ea_7aad_030b)),
+    ]
+    .into_iter()
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn every_known_value_is_found() {
+        for (place, (found, known)) in super::known_values().enumerate() {
+            assert_eq!(found.to_bits(), known.to_bits(), "value {place}");
+        }
     }
 }

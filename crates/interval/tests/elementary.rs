@@ -8,6 +8,8 @@
 
 #[path = "support/oracle.rs"]
 mod oracle;
+#[path = "support/points.rs"]
+mod points;
 mod support;
 
 use std::cmp::Ordering;
@@ -15,85 +17,14 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use num_traits::ToPrimitive;
 use oracle::Fixed;
-use support::{Dyadic, Source, compare};
+use points::{Exact, Function, Precisions, anywhere};
+use support::{Source, compare};
 use veribound_interval::{Interval, Regularity, domain};
 
 const CASES: usize = 10_000;
 
-/// Enough bits for the argument: 600 for ordinary ones, more for tiny and huge ones.
-struct Precisions {
-    usual: Fixed,
-    most: Fixed,
-}
-
-impl Precisions {
-    fn new() -> Precisions {
-        Precisions {
-            usual: Fixed::new(600),
-            most: Fixed::new(1074 + 400),
-        }
-    }
-
-    fn of(&self, x: f64) -> &Fixed {
-        let size = x.abs();
-        if size == 0.0 || (size > 1e-60 && size < 1e60) {
-            &self.usual
-        } else {
-            &self.most
-        }
-    }
-}
-
-/// Asserts that `[lo, hi]` encloses the value, and is within one float of the tight enclosure.
-fn assert_encloses(result: Interval, exact: &Dyadic, what: &str) {
-    let (lo, hi) = (result.lo(), result.hi());
-    assert_ne!(compare(lo, exact), Ordering::Greater, "{what}: {result:?}");
-    assert_ne!(compare(hi, exact), Ordering::Less, "{what}: {result:?}");
-    assert_ne!(
-        compare(lo.next_up().next_up(), exact),
-        Ordering::Less,
-        "{what}: {result:?}"
-    );
-    assert_ne!(
-        compare(hi.next_down().next_down(), exact),
-        Ordering::Greater,
-        "{what}: {result:?}"
-    );
-}
-
-type Function = fn(Interval) -> Interval;
-type Exact = fn(&Fixed, f64) -> Dyadic;
-
-/// Points drawn by `draw`, each function value compared with the series.
 fn check(name: &str, f: Function, exact: Exact, seed: u64, draw: impl Fn(&mut Source) -> f64) {
-    let precisions = Precisions::new();
-    let mut source = Source(seed);
-    for _ in 0..CASES {
-        let x = draw(&mut source);
-        let value = exact(precisions.of(x), x);
-        assert_encloses(f(Interval::point(x)), &value, &format!("{name}({x:e})"));
-    }
-}
-
-/// Floats of all magnitudes up to `most`, near zero and near `anchors`.
-fn anywhere(source: &mut Source, most: f64, anchors: &[f64]) -> f64 {
-    loop {
-        let x = match source.below(4) {
-            0 => source.float(),
-            1 if !anchors.is_empty() => {
-                let anchor = anchors
-                    .get(source.below(anchors.len() as u64) as usize)
-                    .unwrap();
-                let steps = source.below(9) as i64 - 4;
-                f64::from_bits((anchor.to_bits() as i64 + steps) as u64)
-            }
-            2 => source.between(-1.0, 1.0) * 2_f64.powi(-(source.below(60) as i32)),
-            _ => source.between(-most.min(50.0), most.min(50.0)),
-        };
-        if x.abs() <= most && x.is_finite() {
-            return x;
-        }
-    }
+    points::check(name, f, exact, seed, CASES, draw);
 }
 
 #[test]

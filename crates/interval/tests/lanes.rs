@@ -1,5 +1,5 @@
 //! Eight lanes against one: on every path of this machine, each lane of a result has the bits of the scalar
-//! operation (the sign of a zero end aside).
+//! operation (the sign of a zero end aside). `VERIBOUND_LANES` restricts the tests to one path.
 
 #![allow(
     clippy::unwrap_used,
@@ -83,6 +83,14 @@ fn scalar(operation: Operation, a: Interval, b: Interval) -> Interval {
     }
 }
 
+/// The paths under test.
+fn paths() -> Vec<Path> {
+    match std::env::var_os("VERIBOUND_LANES") {
+        Some(_) if Path::refused().is_none() => vec![Path::chosen()],
+        _ => Path::available().collect(),
+    }
+}
+
 /// An operation on a whole list.
 struct Apply<'a> {
     operation: Operation,
@@ -131,7 +139,7 @@ fn check(operations: &[Operation], pairs: &[(Interval, Interval)]) -> u64 {
         let expected: Vec<Interval> = (a.iter().zip(&b))
             .flat_map(|(a, b)| (0..LANES).map(|lane| scalar(operation, a.get(lane), b.get(lane))))
             .collect();
-        for path in Path::available() {
+        for path in paths() {
             let kernel = Apply {
                 operation,
                 a: &a,
@@ -202,7 +210,7 @@ fn shuffled<T: Copy>(items: &[T]) -> Vec<T> {
 
 #[test]
 fn special_ends_on_every_path() {
-    println!("{:?}", Path::available().collect::<Vec<_>>());
+    println!("{:?}", paths());
     let all = intervals(&ends());
     let single: Vec<_> = all.iter().map(|&x| (x, x)).collect();
     check(&UNARY, &shuffled(&single));
@@ -275,6 +283,76 @@ fn ordinary_intervals_on_every_path() {
     }
 }
 
+/// Arguments of the elementary functions from the ranges where they are computed in different ways, and at
+/// the borders of these.
+fn argument(source: &mut Source) -> f64 {
+    let x = match source.below(10) {
+        0 => source.between(0.0, 1.0),
+        1 => source.between(0.0, 10.0),
+        2 => source.between(0.0, 1000.0),
+        3 => source.between(0.0, 1.1e6),
+        // Small and large.
+        4 | 5 => (1.0 + source.unit()) * 2_f64.powi(source.below(300) as i32 - 260),
+        6 => f64::from_bits(source.below(0x7ff << 52)),
+        // Near the multiples of π/128, and so of π/2, and those of ln 2 / 128.
+        7 => {
+            let size = 1 + source.below(25);
+            let k = source.below(1 << size) as f64;
+            let step = [std::f64::consts::FRAC_PI_2, std::f64::consts::PI / 128.0]
+                [source.below(2) as usize];
+            let bits = (k * step).to_bits() as i64 + source.below(9) as i64 - 4;
+            f64::from_bits(bits.max(0) as u64)
+        }
+        8 => {
+            let k = source.below(200_000) as f64 + 0.5 * source.below(2) as f64;
+            let bits = (k * (std::f64::consts::LN_2 / 128.0)).to_bits() as i64;
+            f64::from_bits((bits + source.below(9) as i64 - 4).max(0) as u64)
+        }
+        // Near 1, and near the borders of the pieces of an octave.
+        _ => {
+            let piece = (0x3fe6 << 48) + (source.below(128) << 45);
+            let exponent = (source.below(5) << 52).wrapping_sub(2 << 52);
+            f64::from_bits((piece.wrapping_add(exponent)).wrapping_add(source.below(9)) - 4)
+        }
+    };
+    if source.below(2) == 0 { x } else { -x }
+}
+
+#[test]
+fn elementary_functions_on_every_path() {
+    let mut source = Source(0xe1e_3e27);
+    for _ in 0..rounds(40) {
+        let pairs: Vec<_> = (0..4096)
+            .map(|_| {
+                let x = argument(&mut source);
+                let y = match source.below(4) {
+                    0 => x,
+                    1 => x + source.between(0.0, 7.0),
+                    2 => x.next_up(),
+                    _ => argument(&mut source),
+                };
+                let x = Interval::new(x.min(y), x.max(y)).unwrap();
+                (x, x)
+            })
+            .collect();
+        check(&ELEMENTARY, &pairs);
+    }
+}
+
+/// Arguments whose values lie so near the middle of two floats that the fast way has to give up.
+#[test]
+fn values_that_are_hard_to_round() {
+    let lines = include_str!("../testdata/hard_to_round.txt").lines();
+    let arguments = lines
+        .filter(|line| !line.starts_with('#'))
+        .filter_map(|line| line.split_whitespace().nth(1)?.parse().ok());
+    let pairs: Vec<_> = arguments
+        .map(|x: f64| (Interval::point(x), Interval::point(x)))
+        .collect();
+    assert!(pairs.len() > 20);
+    check(&ELEMENTARY, &pairs);
+}
+
 /// What stands in the other lanes changes nothing.
 #[test]
 fn lanes_are_independent() {
@@ -291,7 +369,7 @@ fn lanes_are_independent() {
         let (a, mut b) = (fill(), fill());
         b.set(lane, y);
         for operation in BINARY.into_iter().chain(UNARY).chain(ELEMENTARY) {
-            for path in Path::available() {
+            for path in paths() {
                 let mut out = Vec::new();
                 path.run(Apply {
                     operation,
@@ -333,7 +411,7 @@ fn questions_and_choices_on_every_path() {
     for pair in packed.windows(2) {
         let (a, b) = (pair[0], pair[1]);
         let mask = Mask::from_bits(source.bits() as u8);
-        for path in Path::available() {
+        for path in paths() {
             let ([empty, positive, zero], chosen) = path.run(Questions(&a, &b, mask)).unwrap();
             for lane in 0..LANES {
                 let x = a.get(lane);

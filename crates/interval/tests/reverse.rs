@@ -51,7 +51,7 @@ fn value(source: &mut Source, exact: Interval) -> Interval {
 
 #[test]
 fn no_solution_of_a_function_is_lost() {
-    let functions: [(&str, Forward, Reverse); 13] = [
+    let functions: [(&str, Forward, Reverse); 31] = [
         ("sqr", Interval::sqr, Interval::sqr_rev),
         ("abs", Interval::abs, Interval::abs_rev),
         ("sqrt", Interval::sqrt, Interval::sqrt_rev),
@@ -62,6 +62,36 @@ fn no_solution_of_a_function_is_lost() {
         ("tan", Interval::tan, Interval::tan_rev),
         ("atan", Interval::atan, Interval::atan_rev),
         ("tanh", Interval::tanh, Interval::tanh_rev),
+        ("recip", Interval::recip, Interval::recip_rev),
+        ("exp2", Interval::exp2, Interval::exp2_rev),
+        ("exp10", Interval::exp10, Interval::exp10_rev),
+        ("expm1", Interval::expm1, Interval::expm1_rev),
+        ("log2", Interval::log2, Interval::log2_rev),
+        ("log10", Interval::log10, Interval::log10_rev),
+        ("log1p", Interval::log1p, Interval::log1p_rev),
+        ("asin", Interval::asin, Interval::asin_rev),
+        ("acos", Interval::acos, Interval::acos_rev),
+        ("sinh", Interval::sinh, Interval::sinh_rev),
+        ("cosh", Interval::cosh, Interval::cosh_rev),
+        ("asinh", Interval::asinh, Interval::asinh_rev),
+        ("acosh", Interval::acosh, Interval::acosh_rev),
+        ("atanh", Interval::atanh, Interval::atanh_rev),
+        ("sign", Interval::sign, Interval::sign_rev),
+        (
+            "cube root",
+            |x| x.rootn(3),
+            |c, x| Interval::rootn_rev(3, c, x),
+        ),
+        (
+            "fourth root",
+            |x| x.rootn(4),
+            |c, x| Interval::rootn_rev(4, c, x),
+        ),
+        (
+            "inverse cube root",
+            |x| x.rootn(-3),
+            |c, x| Interval::rootn_rev(-3, c, x),
+        ),
         ("cube", |x| x.powi(3), |c, x| Interval::powi_rev(3, c, x)),
         (
             "fourth power",
@@ -99,7 +129,7 @@ fn no_solution_of_an_operation_is_lost() {
     type Operation = fn(Interval, Interval) -> Interval;
     type Back = fn(Interval, Interval, Interval) -> Interval;
     // `operation(b, x)` and the way back to `x`.
-    let operations: [(&str, Operation, Back); 7] = [
+    let operations: [(&str, Operation, Back); 9] = [
         ("b + x", |b, x| b + x, Interval::add_rev),
         ("x - b", |b, x| x - b, Interval::sub_rev_left),
         ("b - x", |b, x| b - x, Interval::sub_rev_right),
@@ -107,6 +137,8 @@ fn no_solution_of_an_operation_is_lost() {
         ("x / b", |b, x| x / b, Interval::div_rev_left),
         ("b / x", |b, x| b / x, Interval::div_rev_right),
         ("min", Interval::min, Interval::min_rev),
+        ("x^b", |b, x| x.pow(b), Interval::pow_rev1),
+        ("b^x", Interval::pow, Interval::pow_rev2),
     ];
     let mut source = Source(32);
     for _ in 0..CASES {
@@ -217,6 +249,80 @@ fn one_branch_is_sharp() {
     // Unbounded and very large ends stay.
     assert_eq!(Interval::sin_rev(half, Interval::ENTIRE), Interval::ENTIRE);
     assert_eq!(Interval::sin_rev(half, interval(0.0, 1e300)).hi(), 1e300);
+}
+
+/// The way back from a value at a point is narrow: a bound on the loss of each function.
+#[test]
+fn inverse_functions_are_sharp() {
+    let pairs: [(&str, Forward, Reverse, f64, f64); 15] = [
+        ("exp2", Interval::exp2, Interval::exp2_rev, -5.0, 5.0),
+        ("exp10", Interval::exp10, Interval::exp10_rev, -5.0, 5.0),
+        ("expm1", Interval::expm1, Interval::expm1_rev, -2.0, 5.0),
+        ("log2", Interval::log2, Interval::log2_rev, 0.1, 50.0),
+        ("log10", Interval::log10, Interval::log10_rev, 0.1, 50.0),
+        ("log1p", Interval::log1p, Interval::log1p_rev, -0.5, 50.0),
+        ("asin", Interval::asin, Interval::asin_rev, -0.9, 0.9),
+        ("acos", Interval::acos, Interval::acos_rev, -0.9, 0.9),
+        ("sinh", Interval::sinh, Interval::sinh_rev, -5.0, 5.0),
+        ("cosh", Interval::cosh, Interval::cosh_rev, 0.5, 5.0),
+        ("asinh", Interval::asinh, Interval::asinh_rev, -5.0, 5.0),
+        ("acosh", Interval::acosh, Interval::acosh_rev, 1.5, 50.0),
+        ("atanh", Interval::atanh, Interval::atanh_rev, -0.9, 0.9),
+        (
+            "x^2.3",
+            |x| x.pow(Interval::point(2.3)),
+            |c, x| Interval::pow_rev1(Interval::point(2.3), c, x),
+            0.1,
+            9.0,
+        ),
+        (
+            "3^x",
+            |x| Interval::point(3.0).pow(x),
+            |c, x| Interval::pow_rev2(Interval::point(3.0), c, x),
+            -5.0,
+            5.0,
+        ),
+    ];
+    let mut source = Source(34);
+    for _ in 0..10_000 {
+        for (name, forward, reverse, least, most) in pairs {
+            let x = source.between(least, most);
+            let positive = interval(if least > 0.0 { 0.0 } else { least }, f64::INFINITY);
+            let found = reverse(forward(Interval::point(x)), positive);
+            let most = 1e-13 * x.abs().max(1.0);
+            assert!(
+                found.contains(x) && found.width() <= most,
+                "{name}: {x} in {found:?}"
+            );
+        }
+    }
+    // Values that are never taken.
+    let none = Interval::EMPTY;
+    let all = Interval::ENTIRE;
+    assert_eq!(Interval::cosh_rev(interval(0.0, 0.5), all), none);
+    assert_eq!(Interval::exp2_rev(interval(-2.0, 0.0), all), none);
+    assert_eq!(Interval::expm1_rev(interval(-2.0, -1.0), all), none);
+    assert_eq!(Interval::asin_rev(interval(1.6, 2.0), all), none);
+    assert_eq!(Interval::acos_rev(interval(-1.0, -0.1), all), none);
+    assert_eq!(Interval::acosh_rev(interval(-2.0, -1.0), all), none);
+    assert_eq!(Interval::rootn_rev(4, interval(-2.0, -1.0), all), none);
+    assert_eq!(Interval::rootn_rev(0, all, all), none);
+    assert_eq!(Interval::powi_rev(0, interval(2.0, 3.0), all), none);
+    assert_eq!(Interval::acos_rev(all, all), interval(-1.0, 1.0));
+    assert_eq!(Interval::asin_rev(all, all), interval(-1.0, 1.0));
+    // Two branches, each cut before the hull is taken.
+    assert_eq!(
+        Interval::cosh_rev(interval(1.0, 2.0), interval(-9.0, 0.0)).hi(),
+        0.0
+    );
+    assert_eq!(
+        Interval::powi_rev(-3, interval(-8.0, 8.0), interval(-0.25, 1.0)),
+        interval(0.5, 1.0)
+    );
+    assert_eq!(
+        Interval::rootn_rev(-3, interval(-8.0, 8.0), interval(-1.0 / 1024.0, 1.0)),
+        interval(1.0 / 512.0, 1.0)
+    );
 }
 
 #[test]

@@ -9,8 +9,9 @@
 
 use std::arch::x86_64::*;
 
-use super::Floats;
+use super::elementary::{self, Wide};
 use super::vector::Vector;
+use super::{Floats, Interval8};
 use crate::round::{SMALL, STEP};
 
 /// Four floats.
@@ -296,6 +297,26 @@ impl Vector for F64x4 {
         let above = value.error.above(F64x4::splat(0.0));
         value.value.raised(above)
     }
+
+    #[inline(always)]
+    fn exp(a: &Interval8) -> Interval8 {
+        elementary::exp::<F64x4>(a)
+    }
+
+    #[inline(always)]
+    fn ln(a: &Interval8) -> Interval8 {
+        elementary::ln::<F64x4>(a)
+    }
+
+    #[inline(always)]
+    fn sin(a: &Interval8) -> Interval8 {
+        elementary::sin::<F64x4>(a)
+    }
+
+    #[inline(always)]
+    fn cos(a: &Interval8) -> Interval8 {
+        elementary::cos::<F64x4>(a)
+    }
 }
 
 impl F64x4 {
@@ -312,5 +333,90 @@ impl F64x4 {
     fn raised(self, mask: __m256d) -> F64x4 {
         let size = self.kept(mask).abs();
         F64x4(simd!(_mm256_fmadd_pd(size.0, _mm256_set1_pd(STEP), self.0)))
+    }
+}
+
+impl Wide for F64x4 {
+    #[inline(always)]
+    fn plus(self, other: F64x4) -> F64x4 {
+        F64x4(simd!(_mm256_add_pd(self.0, other.0)))
+    }
+
+    #[inline(always)]
+    fn minus(self, other: F64x4) -> F64x4 {
+        F64x4(simd!(_mm256_sub_pd(self.0, other.0)))
+    }
+
+    #[inline(always)]
+    fn times(self, other: F64x4) -> F64x4 {
+        F64x4(simd!(_mm256_mul_pd(self.0, other.0)))
+    }
+
+    #[inline(always)]
+    fn times_plus(self, a: F64x4, b: F64x4) -> F64x4 {
+        F64x4(simd!(_mm256_fmadd_pd(self.0, a.0, b.0)))
+    }
+
+    #[inline(always)]
+    fn times_minus(self, a: F64x4, b: F64x4) -> F64x4 {
+        F64x4(simd!(_mm256_fmsub_pd(self.0, a.0, b.0)))
+    }
+
+    #[inline(always)]
+    fn times_from(self, a: F64x4, b: F64x4) -> F64x4 {
+        F64x4(simd!(_mm256_fnmadd_pd(self.0, a.0, b.0)))
+    }
+
+    #[inline(always)]
+    fn floor_of(self) -> F64x4 {
+        F64x4(simd!(_mm256_floor_pd(self.0)))
+    }
+
+    #[inline(always)]
+    fn bits_plus(self, other: F64x4) -> F64x4 {
+        F64x4(simd!(_mm256_castsi256_pd(_mm256_add_epi64(
+            _mm256_castpd_si256(self.0),
+            _mm256_castpd_si256(other.0)
+        ))))
+    }
+
+    #[inline(always)]
+    fn bits_minus(self, other: F64x4) -> F64x4 {
+        F64x4(simd!(_mm256_castsi256_pd(_mm256_sub_epi64(
+            _mm256_castpd_si256(self.0),
+            _mm256_castpd_si256(other.0)
+        ))))
+    }
+
+    #[inline(always)]
+    fn bits_or(self, other: F64x4) -> F64x4 {
+        F64x4(simd!(_mm256_or_pd(self.0, other.0)))
+    }
+
+    #[inline(always)]
+    fn bits_left<const N: u32>(self) -> F64x4 {
+        F64x4(simd!(_mm256_castsi256_pd(_mm256_sll_epi64(
+            _mm256_castpd_si256(self.0),
+            _mm_cvtsi64_si128(i64::from(N))
+        ))))
+    }
+
+    #[inline(always)]
+    fn bits_right<const N: u32>(self) -> F64x4 {
+        F64x4(simd!(_mm256_castsi256_pd(_mm256_srl_epi64(
+            _mm256_castpd_si256(self.0),
+            _mm_cvtsi64_si128(i64::from(N))
+        ))))
+    }
+
+    #[inline(always)]
+    fn lookup<const M: usize>(self, table: &[f64; M]) -> F64x4 {
+        const { assert!(M.is_power_of_two()) };
+        let places = simd!(_mm256_and_si256(
+            _mm256_castpd_si256(self.0),
+            _mm256_set1_epi64x(M as i64 - 1)
+        ));
+        // SAFETY: the places are below the length of the table; the instructions are there as for `simd`.
+        F64x4(unsafe { _mm256_i64gather_pd::<8>(table.as_ptr(), places) })
     }
 }

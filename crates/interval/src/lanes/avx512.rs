@@ -9,8 +9,9 @@
 
 use std::arch::x86_64::*;
 
-use super::Floats;
+use super::elementary::{self, Wide};
 use super::vector::Vector;
+use super::{Floats, Interval8};
 
 const UP: i32 = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC;
 const DOWN: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
@@ -188,5 +189,112 @@ impl Vector for F64x8 {
     #[inline(always)]
     fn round_up(value: F64x8) -> F64x8 {
         value
+    }
+
+    #[inline(always)]
+    fn exp(a: &Interval8) -> Interval8 {
+        elementary::exp::<F64x8>(a)
+    }
+
+    #[inline(always)]
+    fn ln(a: &Interval8) -> Interval8 {
+        elementary::ln::<F64x8>(a)
+    }
+
+    #[inline(always)]
+    fn sin(a: &Interval8) -> Interval8 {
+        elementary::sin::<F64x8>(a)
+    }
+
+    #[inline(always)]
+    fn cos(a: &Interval8) -> Interval8 {
+        elementary::cos::<F64x8>(a)
+    }
+}
+
+impl Wide for F64x8 {
+    #[inline(always)]
+    fn plus(self, other: F64x8) -> F64x8 {
+        F64x8(simd!(_mm512_add_pd(self.0, other.0)))
+    }
+
+    #[inline(always)]
+    fn minus(self, other: F64x8) -> F64x8 {
+        F64x8(simd!(_mm512_sub_pd(self.0, other.0)))
+    }
+
+    #[inline(always)]
+    fn times(self, other: F64x8) -> F64x8 {
+        F64x8(simd!(_mm512_mul_pd(self.0, other.0)))
+    }
+
+    #[inline(always)]
+    fn times_plus(self, a: F64x8, b: F64x8) -> F64x8 {
+        F64x8(simd!(_mm512_fmadd_pd(self.0, a.0, b.0)))
+    }
+
+    #[inline(always)]
+    fn times_minus(self, a: F64x8, b: F64x8) -> F64x8 {
+        F64x8(simd!(_mm512_fmsub_pd(self.0, a.0, b.0)))
+    }
+
+    #[inline(always)]
+    fn times_from(self, a: F64x8, b: F64x8) -> F64x8 {
+        F64x8(simd!(_mm512_fnmadd_pd(self.0, a.0, b.0)))
+    }
+
+    #[inline(always)]
+    fn floor_of(self) -> F64x8 {
+        F64x8(simd!(_mm512_roundscale_pd::<
+            { _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC },
+        >(self.0)))
+    }
+
+    #[inline(always)]
+    fn bits_plus(self, other: F64x8) -> F64x8 {
+        F64x8(simd!(_mm512_castsi512_pd(_mm512_add_epi64(
+            _mm512_castpd_si512(self.0),
+            _mm512_castpd_si512(other.0)
+        ))))
+    }
+
+    #[inline(always)]
+    fn bits_minus(self, other: F64x8) -> F64x8 {
+        F64x8(simd!(_mm512_castsi512_pd(_mm512_sub_epi64(
+            _mm512_castpd_si512(self.0),
+            _mm512_castpd_si512(other.0)
+        ))))
+    }
+
+    #[inline(always)]
+    fn bits_or(self, other: F64x8) -> F64x8 {
+        F64x8(simd!(_mm512_or_pd(self.0, other.0)))
+    }
+
+    #[inline(always)]
+    fn bits_left<const N: u32>(self) -> F64x8 {
+        F64x8(simd!(_mm512_castsi512_pd(_mm512_sll_epi64(
+            _mm512_castpd_si512(self.0),
+            _mm_cvtsi64_si128(i64::from(N))
+        ))))
+    }
+
+    #[inline(always)]
+    fn bits_right<const N: u32>(self) -> F64x8 {
+        F64x8(simd!(_mm512_castsi512_pd(_mm512_srl_epi64(
+            _mm512_castpd_si512(self.0),
+            _mm_cvtsi64_si128(i64::from(N))
+        ))))
+    }
+
+    #[inline(always)]
+    fn lookup<const M: usize>(self, table: &[f64; M]) -> F64x8 {
+        const { assert!(M.is_power_of_two()) };
+        let places = simd!(_mm512_and_si512(
+            _mm512_castpd_si512(self.0),
+            _mm512_set1_epi64(M as i64 - 1)
+        ));
+        // SAFETY: the places are below the length of the table; the instructions are there as for `simd`.
+        F64x8(unsafe { _mm512_i64gather_pd::<8>(places, table.as_ptr()) })
     }
 }

@@ -18,6 +18,7 @@ use crate::Interval;
 /// neither would it be inlined, nor would the instructions be inlined into it.
 macro_rules! chunks {
     ($vector:ident, $a:expr, $b:expr, $chunk:ident, $exact:expr) => {{
+        use $crate::lanes::{Interval8, LANES, basic::one_by_one, vector::Ends};
         let (mut all, mut rest) = (Interval8::EMPTY, 0);
         for i in 0..LANES / $vector::WIDTH {
             let (ends, open) = $chunk(Ends::<$vector>::load($a, i), Ends::<$vector>::load($b, i));
@@ -32,10 +33,11 @@ macro_rules! chunks {
         all
     }};
 }
+pub(super) use chunks;
 
 #[cold]
 #[inline(never)]
-fn one_by_one(
+pub(super) fn one_by_one(
     a: &Interval8,
     b: &Interval8,
     fast: &Interval8,

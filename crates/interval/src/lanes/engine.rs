@@ -22,11 +22,11 @@ macro_rules! basic {
     };
 }
 
-macro_rules! lanewise {
+macro_rules! elementary {
     ($($name:ident),+) => {
         $(#[inline(always)]
         fn $name(a: &Interval8) -> Interval8 {
-            Self::map(a, Interval::$name)
+            V::$name(a)
         })+
     };
 }
@@ -35,7 +35,7 @@ impl<V: Vector> Arithmetic for Engine<V> {
     type Value = Interval8;
 
     basic!(sqr, sqrt, abs; add, sub, mul, div, min, max, intersect, hull);
-    lanewise!(exp, ln, sin, cos);
+    elementary!(exp, ln, sin, cos);
 
     #[inline(always)]
     fn neg(a: &Interval8) -> Interval8 {

@@ -18,6 +18,8 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod basic;
+#[cfg(target_arch = "x86_64")]
+mod elementary;
 mod engine;
 mod interval8;
 mod mask;

@@ -1,6 +1,7 @@
 //! What the operations on lanes need from an instruction set.
 
 use super::{Floats, Interval8};
+use crate::Interval;
 
 /// Some floats side by side, in a register of the instruction set.
 ///
@@ -75,6 +76,27 @@ pub(super) trait Vector: Copy {
     fn root(self) -> (Self::Upper, Self::Mask);
     /// The negated square root.
     fn negated_root(self) -> (Self::Upper, Self::Mask);
+    /// The elementary functions of [`Interval`].
+    #[inline(always)]
+    fn exp(a: &Interval8) -> Interval8 {
+        a.map(Interval::exp)
+    }
+
+    #[inline(always)]
+    fn ln(a: &Interval8) -> Interval8 {
+        a.map(Interval::ln)
+    }
+
+    #[inline(always)]
+    fn sin(a: &Interval8) -> Interval8 {
+        a.map(Interval::sin)
+    }
+
+    #[inline(always)]
+    fn cos(a: &Interval8) -> Interval8 {
+        a.map(Interval::cos)
+    }
+
     /// Smallest float not below the value; `-inf` or NaN where it is too small for a float.
     fn round_up(value: Self::Upper) -> Self;
 }

@@ -1,6 +1,6 @@
 //! Powers with a real exponent.
 
-use super::{power_down, power_up};
+use super::power_of_positive;
 use crate::Interval;
 use crate::elementary::Value;
 use crate::interval::{larger, smaller};
@@ -65,9 +65,10 @@ fn power(x: f64, y: f64) -> Value {
         };
     }
     if let Some((root, whole)) = whole_exponent(x, y) {
+        let power = power_of_positive(Interval::point(root), whole);
         return Value {
-            lo: power_down(root, whole),
-            hi: power_up(root, whole),
+            lo: power.lo(),
+            hi: power.hi(),
         };
     }
     let rounded = core_math::pow(x, y);

@@ -127,6 +127,11 @@ impl Dyadic {
         }
     }
 
+    /// The exponent of the leading bit, for a number other than 0.
+    pub fn size(&self) -> i64 {
+        self.m.bits() as i64 + self.e
+    }
+
     fn at(&self, e: i64) -> BigInt {
         &self.m << (self.e - e) as u64
     }

@@ -5,16 +5,18 @@
 //! to its value (the working precision leaves more than 250 bits after cancellation, and the series have fewer
 //! than 2000 terms with an error of one unit each).
 
+#![allow(dead_code, reason = "each test uses a part")]
+
 use num_bigint::BigInt;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
-use super::Dyadic;
+use crate::support::Dyadic;
 
 /// Fixed-point arithmetic with a number of bits after the point.
 pub struct Fixed {
-    bits: u64,
-    half_pi: BigInt,
-    ln2: BigInt,
+    pub bits: u64,
+    pub half_pi: BigInt,
+    pub ln2: BigInt,
 }
 
 impl Fixed {
@@ -31,7 +33,7 @@ impl Fixed {
         fixed
     }
 
-    fn one(&self) -> BigInt {
+    pub fn one(&self) -> BigInt {
         BigInt::one() << self.bits
     }
 
@@ -59,11 +61,11 @@ impl Fixed {
         exact.m << shift as u64
     }
 
-    fn times(&self, a: &BigInt, b: &BigInt) -> BigInt {
+    pub fn times(&self, a: &BigInt, b: &BigInt) -> BigInt {
         (a * b) >> self.bits
     }
 
-    fn over(&self, a: &BigInt, b: &BigInt) -> BigInt {
+    pub fn over(&self, a: &BigInt, b: &BigInt) -> BigInt {
         (a << self.bits) / b
     }
 
@@ -76,7 +78,10 @@ impl Fixed {
 
     /// `exp(x)` as a multiple of a power of two.
     pub fn exp(&self, x: f64) -> Dyadic {
-        let x = self.of(x);
+        self.exp_of(self.of(x))
+    }
+
+    pub fn exp_of(&self, x: BigInt) -> Dyadic {
         let k = floor_over(&(&x + (&self.ln2 >> 1_u32)), &self.ln2);
         let rest = x - &k * &self.ln2;
         let (mut term, mut sum, mut n) = (self.one(), self.one(), 1);
@@ -92,11 +97,18 @@ impl Fixed {
     }
 
     pub fn ln(&self, x: f64) -> Dyadic {
-        let exact = Dyadic::of(x);
+        self.dyadic(self.ln_of(Dyadic::of(x)))
+    }
+
+    /// The logarithm of a positive number.
+    pub fn ln_of(&self, exact: Dyadic) -> BigInt {
         let length = exact.m.bits() as i64;
         // m in [3/4, 3/2): x = m 2^k.
         let mut k = exact.e + length;
-        let mut m = exact.m << (self.bits as i64 - length) as u64;
+        let mut m = match self.bits as i64 - length {
+            up @ 0.. => exact.m << up as u64,
+            down => exact.m >> (-down) as u64,
+        };
         if &m * 4 < self.one() * 3 {
             m <<= 1;
             k -= 1;
@@ -109,7 +121,7 @@ impl Fixed {
             n += 2;
             sum += &power / n;
         }
-        self.dyadic(sum * 2 + &self.ln2 * k)
+        sum * 2 + &self.ln2 * k
     }
 
     /// How many multiples of π/2 lie below or at `x`, and `x` minus the nearest one with its number.
@@ -162,7 +174,10 @@ impl Fixed {
     }
 
     pub fn atan(&self, x: f64) -> Dyadic {
-        let x = self.of(x);
+        self.dyadic(self.atan_of(self.of(x)))
+    }
+
+    pub fn atan_of(&self, x: BigInt) -> BigInt {
         let large = x.abs() > self.one();
         let mut z = if large {
             self.over(&self.one(), &x)
@@ -182,13 +197,13 @@ impl Fixed {
             sum += &power / n;
         }
         let small = sum * 16;
-        self.dyadic(if !large {
+        if !large {
             small
         } else if x.is_positive() {
             &self.half_pi - small
         } else {
             -&self.half_pi - small
-        })
+        }
     }
 
     /// `(1 - e^-2|x|) / (1 + e^-2|x|)` with the sign of `x`.

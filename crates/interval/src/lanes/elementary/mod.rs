@@ -1,0 +1,41 @@
+//! Elementary functions on lanes.
+//!
+//! The scalar functions give the neighbours of the float nearest to a value, cut by known bounds. So lanes
+//! need the nearest float, too: a sum of two floats is computed whose error is proved to be small, and where all
+//! numbers within this error round to the same float, this is it. Elsewhere (about once in a thousand values), and
+//! for arguments out of the usual range, the scalar operation does the lane.
+
+mod exponential;
+mod logarithm;
+mod tables;
+mod wave;
+mod wide;
+
+pub(super) use wide::Wide;
+
+use super::Interval8;
+use super::basic::chunks;
+use crate::Interval;
+use exponential::exponentials;
+use logarithm::logarithms;
+use wave::{cosines, sines};
+
+#[inline(always)]
+pub(super) fn exp<V: Wide>(a: &Interval8) -> Interval8 {
+    chunks!(V, a, a, exponentials, |a: Interval, _| a.exp())
+}
+
+#[inline(always)]
+pub(super) fn ln<V: Wide>(a: &Interval8) -> Interval8 {
+    chunks!(V, a, a, logarithms, |a: Interval, _| a.ln())
+}
+
+#[inline(always)]
+pub(super) fn sin<V: Wide>(a: &Interval8) -> Interval8 {
+    chunks!(V, a, a, sines, |a: Interval, _| a.sin())
+}
+
+#[inline(always)]
+pub(super) fn cos<V: Wide>(a: &Interval8) -> Interval8 {
+    chunks!(V, a, a, cosines, |a: Interval, _| a.cos())
+}

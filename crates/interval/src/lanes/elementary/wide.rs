@@ -1,0 +1,62 @@
+//! What the elementary functions need from an instruction set beside [`Vector`].
+
+use super::super::vector::Vector;
+use crate::round::STEP;
+
+/// Arithmetic that is rounded to nearest, fused products, and the bits of the floats.
+pub(in super::super) trait Wide: Vector {
+    fn plus(self, other: Self) -> Self;
+    fn minus(self, other: Self) -> Self;
+    fn times(self, other: Self) -> Self;
+    /// `self a + b`, rounded once.
+    fn times_plus(self, a: Self, b: Self) -> Self;
+    /// `self a - b`, rounded once.
+    fn times_minus(self, a: Self, b: Self) -> Self;
+    /// `b - self a`, rounded once.
+    fn times_from(self, a: Self, b: Self) -> Self;
+    /// The largest integer that is not above.
+    fn floor_of(self) -> Self;
+
+    /// The bits as integers: the sum, the difference, those that either has.
+    fn bits_plus(self, other: Self) -> Self;
+    fn bits_minus(self, other: Self) -> Self;
+    fn bits_or(self, other: Self) -> Self;
+    /// The bits moved to higher places.
+    fn bits_left<const N: u32>(self) -> Self;
+    /// The bits moved to lower places, zeros behind them.
+    fn bits_right<const N: u32>(self) -> Self;
+    /// The entries with the numbers that the lowest bits tell, as many bits as the table has. Required: the
+    /// size of the table is a power of two.
+    fn lookup<const M: usize>(self, table: &[f64; M]) -> Self;
+
+    #[inline(always)]
+    fn of_bits(bits: u64) -> Self {
+        Self::splat(f64::from_bits(bits))
+    }
+}
+
+/// The sum `s + low` of a float and a smaller one as a nearest float, if this is certain for all numbers within
+/// `error` of the sum; and where it is not.
+///
+/// Proof. `value` is the rounded sum and `rest` the exact rest of it (Fast2Sum, `|low| <= |s|`). Rounding is
+/// monotone: where the two sums with `rest` moved by the error are rounded to `value`, all numbers
+/// between them are. The errors of the moved rests themselves, below `2^-105 |value|`, have to be part of `error`.
+#[inline(always)]
+pub(super) fn nearest<V: Wide>(s: V, low: V, error: V) -> (V, V::Mask) {
+    let value = s.plus(low);
+    let rest = s.minus(value).plus(low);
+    let below = value.plus(rest.minus(error)).equals(value);
+    let above = value.plus(rest.plus(error)).equals(value);
+    (value, V::both(below, above))
+}
+
+/// The next floats below and above, for normal numbers that are not the least; see `raised` of the basic
+/// operations for the proof.
+#[inline(always)]
+pub(super) fn neighbours<V: Wide>(x: V) -> (V, V) {
+    let (size, step) = (x.abs(), V::splat(STEP));
+    (size.times_from(step, x), size.times_plus(step, x))
+}
+
+/// Adding this number to a float below `2^51` rounds it to an integer, which then stands in the lowest bits.
+pub(super) const ROUNDER: f64 = 6_755_399_441_055_744.0;
