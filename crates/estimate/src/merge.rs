@@ -5,6 +5,7 @@
 )]
 
 use crate::cell::{Cell, remove_contained};
+use veribound_interval::Interval;
 
 /// Widths below this share of the scale count as this share, so that boxes that are thin in one
 /// direction can still be compared.
@@ -14,69 +15,68 @@ fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// The boxes in units of the scale, one after another, and their volumes. It only ranks pairs, so
-/// plain floating point will do.
+/// The boxes in units of the scale, one coordinate after another, and their volumes. It only ranks
+/// pairs, so plain floating point will do.
 struct Shapes {
-    dimension: usize,
-    lo: Vec<f64>,
-    hi: Vec<f64>,
+    /// Per coordinate the ends of all boxes.
+    lo: Vec<Vec<f64>>,
+    hi: Vec<Vec<f64>>,
     volumes: Vec<f64>,
+    /// Scratch and result of [`Shapes::overestimations`].
+    costs: Vec<f64>,
 }
 
 impl Shapes {
     fn new(cells: &[Cell], scale: &[f64]) -> Shapes {
-        let mut shapes = Shapes {
-            dimension: scale.len(),
-            lo: Vec::new(),
-            hi: Vec::new(),
-            volumes: Vec::new(),
+        let ends = |end: fn(Interval) -> f64| -> Vec<Vec<f64>> {
+            let of = |k: usize| cells.iter().map(move |cell| end(cell.z[k]) / scale[k]);
+            (0..scale.len()).map(|k| of(k).collect()).collect()
         };
-        for cell in cells {
-            for (x, s) in cell.z.iter().zip(scale) {
-                shapes.lo.push(x.lo() / s);
-                shapes.hi.push(x.hi() / s);
-            }
-        }
-        shapes.volumes = (0..cells.len()).map(|i| shapes.hull_volume(i, i)).collect();
+        let mut shapes = Shapes {
+            lo: ends(Interval::lo),
+            hi: ends(Interval::hi),
+            volumes: Vec::new(),
+            costs: Vec::new(),
+        };
+        shapes.volumes = (0..cells.len()).map(|i| shapes.volume(i)).collect();
         shapes
     }
 
-    fn hull_volume(&self, i: usize, j: usize) -> f64 {
-        let (i, j, d) = (i * self.dimension, j * self.dimension, self.dimension);
-        let (lo_i, lo_j) = (&self.lo[i..i + d], &self.lo[j..j + d]);
-        let (hi_i, hi_j) = (&self.hi[i..i + d], &self.hi[j..j + d]);
-        let mut product = 1.0;
-        for k in 0..d {
-            // No NaN is among these, so a comparison will do where `f64::max` takes several.
-            let hi = larger(hi_i[k], hi_j[k]);
-            let lo = -larger(-lo_i[k], -lo_j[k]);
-            product *= larger(hi - lo, THINNEST);
-        }
-        product
+    fn volume(&self, i: usize) -> f64 {
+        let width = |(lo, hi): (&Vec<f64>, &Vec<f64>)| larger(hi[i] - lo[i], THINNEST);
+        self.lo.iter().zip(&self.hi).map(width).product()
     }
 
-    /// Volume of the hull over the volume of the two boxes; small means little is added.
-    fn overestimation(&self, i: usize, j: usize) -> f64 {
-        self.hull_volume(i, j) / (self.volumes[i] + self.volumes[j])
+    /// For every box the volume of its hull with box `i` over the volume of the two; small means little
+    /// is added.
+    fn overestimations(&mut self, i: usize) -> &[f64] {
+        self.costs.clear();
+        self.costs.resize(self.volumes.len(), 1.0);
+        for (lo, hi) in self.lo.iter().zip(&self.hi) {
+            let (lo_i, hi_i) = (lo[i], hi[i]);
+            for ((cost, lo), hi) in self.costs.iter_mut().zip(lo).zip(hi) {
+                // No NaN is among these, so a comparison will do where `f64::max` takes several.
+                let width = larger(hi_i, *hi) + larger(-lo_i, -lo);
+                *cost *= larger(width, THINNEST);
+            }
+        }
+        let volume = self.volumes[i];
+        for (cost, other) in self.costs.iter_mut().zip(&self.volumes) {
+            *cost /= volume + other;
+        }
+        &self.costs
     }
 
     /// Box `keep` becomes the hull with box `gone`, whose place the last box takes.
     fn join(&mut self, keep: usize, gone: usize) {
-        let d = self.dimension;
-        for k in 0..d {
-            let (a, b) = (keep * d + k, gone * d + k);
-            self.lo[a] = self.lo[a].min(self.lo[b]);
-            self.hi[a] = self.hi[a].max(self.hi[b]);
+        for (lo, hi) in self.lo.iter_mut().zip(&mut self.hi) {
+            lo[keep] = lo[keep].min(lo[gone]);
+            hi[keep] = hi[keep].max(hi[gone]);
+            lo.swap_remove(gone);
+            hi.swap_remove(gone);
         }
-        let last = self.volumes.len() - 1;
-        for k in 0..d {
-            self.lo.swap(gone * d + k, last * d + k);
-            self.hi.swap(gone * d + k, last * d + k);
-        }
-        self.lo.truncate(last * d);
-        self.hi.truncate(last * d);
         self.volumes.swap_remove(gone);
-        self.volumes[keep] = self.hull_volume(keep, keep);
+        self.volumes[keep] = self.volume(keep);
     }
 }
 
@@ -96,11 +96,12 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
     let mut shapes = Shapes::new(cells, scale);
     let mut best: Vec<Option<(usize, f64)>> = vec![None; cells.len()];
     for i in 0..cells.len() {
+        let costs = shapes.overestimations(i);
         for j in i + 1..cells.len() {
             if !(across_modes || cells[i].modes == cells[j].modes) {
                 continue;
             }
-            let cost = shapes.overestimation(i, j);
+            let cost = costs[j];
             for (a, b) in [(i, j), (j, i)] {
                 if best[a].is_none_or(|(_, known)| cost < known) {
                     best[a] = Some((b, cost));
@@ -108,6 +109,7 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
             }
         }
     }
+    let mut to_keep = Vec::new();
     while cells.len() > target {
         let cheapest = best
             .iter()
@@ -122,12 +124,14 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
         best.swap_remove(gone);
         cells[keep].join(&other);
         shapes.join(keep, gone);
+        to_keep.clear();
+        to_keep.extend_from_slice(shapes.overestimations(keep));
         let moved = cells.len();
         for position in 0..cells.len() {
             let stale = position == keep
                 || best[position].is_some_and(|(partner, _)| partner == keep || partner == gone);
             if stale {
-                best[position] = partner(cells, &shapes, position, across_modes);
+                best[position] = partner(cells, &mut shapes, position, across_modes);
                 continue;
             }
             if let Some((partner, _)) = &mut best[position]
@@ -136,7 +140,7 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
                 *partner = gone;
             }
             if across_modes || cells[position].modes == cells[keep].modes {
-                let cost = shapes.overestimation(position, keep);
+                let cost = to_keep[position];
                 if best[position].is_none_or(|(_, known)| cost < known) {
                     best[position] = Some((keep, cost));
                 }
@@ -146,13 +150,17 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
 }
 
 /// The box that is cheapest to join with box `i`.
-fn partner(cells: &[Cell], shapes: &Shapes, i: usize, across_modes: bool) -> Option<(usize, f64)> {
+fn partner(
+    cells: &[Cell],
+    shapes: &mut Shapes,
+    i: usize,
+    across_modes: bool,
+) -> Option<(usize, f64)> {
     let mut best: Option<(usize, f64)> = None;
-    for j in 0..cells.len() {
+    for (j, &cost) in shapes.overestimations(i).iter().enumerate() {
         if i == j || !(across_modes || cells[i].modes == cells[j].modes) {
             continue;
         }
-        let cost = shapes.overestimation(i, j);
         if best.is_none_or(|(_, known)| cost < known) {
             best = Some((j, cost));
         }
@@ -164,7 +172,6 @@ fn partner(cells: &[Cell], shapes: &Shapes, i: usize, across_modes: bool) -> Opt
 mod tests {
     use super::*;
     use veribound_flow::ModeSet;
-    use veribound_interval::Interval;
 
     fn cell(x: (f64, f64), y: (f64, f64), mode: usize) -> Cell {
         let mut modes = ModeSet::EMPTY;

@@ -4,6 +4,7 @@
     reason = "PROOF: all slices have the lengths of the system's layout"
 )]
 
+use crate::advance::advance;
 use crate::guard::InCell;
 use crate::modes::ModeMasks;
 use crate::system::{Registers, System};
@@ -148,8 +149,8 @@ impl System {
         for _ in 0..ROUNDS {
             open = self.velocity(q, open, candidate, failed, registers);
             let mut proved = open;
+            advance(start, &span, &candidate.velocity, image);
             for i in 0..n {
-                image[i] = start[i] + span * candidate.velocity[i];
                 proved &= image[i].is_interior_of(&q[i]);
             }
             for i in 0..n {

@@ -10,7 +10,7 @@
 )]
 
 use veribound_interval::Interval;
-use veribound_interval::lanes::{Interval8, Lanewise, Mask};
+use veribound_interval::lanes::{Floats, Interval8, LANES, Lanewise, Mask};
 use veribound_model::{ExprId, Graph, Guard, Layout, Relation, Tape};
 
 /// A guard compiled for boxes.
@@ -188,12 +188,13 @@ fn mirrored(relation: Relation) -> Relation {
     }
 }
 
+const ZERO: Floats = [0.0; LANES];
+
 /// Where some value in `difference` compares to zero as `relation` says, boundaries included.
 fn closed(difference: &Interval8, relation: Relation) -> Mask {
-    let (lo, hi) = (difference.lo(), difference.hi());
     let possible = match relation {
-        Relation::Less | Relation::LessEqual => Mask::from_fn(|lane| lo[lane] <= 0.0),
-        Relation::Greater | Relation::GreaterEqual => Mask::from_fn(|lane| hi[lane] >= 0.0),
+        Relation::Less | Relation::LessEqual => Mask::at_most(&difference.lo(), &ZERO),
+        Relation::Greater | Relation::GreaterEqual => Mask::at_most(&ZERO, &difference.hi()),
         Relation::Equal => difference.contains_zero(),
         Relation::NotEqual => Mask::ALL,
     };
@@ -202,9 +203,8 @@ fn closed(difference: &Interval8, relation: Relation) -> Mask {
 
 /// Where some value in `difference` compares to zero exactly as `relation` says.
 fn strict(difference: &Interval8, relation: Relation) -> Mask {
-    let (lo, hi) = (difference.lo(), difference.hi());
-    let below = Mask::from_fn(|lane| lo[lane] < 0.0);
-    let above = Mask::from_fn(|lane| hi[lane] > 0.0);
+    let below = Mask::below(&difference.lo(), &ZERO);
+    let above = Mask::below(&ZERO, &difference.hi());
     let possible = match relation {
         Relation::Less => below,
         Relation::Greater => above,
@@ -377,7 +377,7 @@ impl Guards {
         let difference = self.difference(tape, q, registers);
         let possible = lanes & closed(&difference, relation);
         let region = closed_region(relation);
-        let entire = Mask::from_fn(|lane| difference.get(lane) == Interval::ENTIRE);
+        let entire = Interval8::ENTIRE.is_subset_of(&difference);
         let whole = difference.is_subset_of(&Interval8::splat(region)) | entire;
         let cut = possible.without(whole);
         if cut.none() {

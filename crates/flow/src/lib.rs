@@ -3,6 +3,7 @@
 //! A model is compiled once into a [`System`]; [`System::step`] then moves boxes of states over
 //! stretches of time such that no Filippov solution is lost.
 
+mod advance;
 mod apriori;
 mod face;
 mod guard;

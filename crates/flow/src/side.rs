@@ -1,6 +1,6 @@
 //! Lower and upper bounds treated by one piece of code.
 
-use veribound_interval::lanes::{Floats, Interval8};
+use veribound_interval::lanes::{Floats, Interval8, Mask};
 use veribound_interval::{Interval, round};
 
 /// Which bound of an interval. *Out* is away from the interval: down for the lower bound, up for
@@ -41,6 +41,14 @@ impl Side {
         match self {
             Side::Lower => a < b,
             Side::Upper => a > b,
+        }
+    }
+
+    /// [`Side::beyond`] in every lane.
+    pub(crate) fn all_beyond(self, a: &Floats, b: &Floats) -> Mask {
+        match self {
+            Side::Lower => Mask::below(a, b),
+            Side::Upper => Mask::below(b, a),
         }
     }
 

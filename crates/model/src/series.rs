@@ -155,59 +155,59 @@ impl SeriesTape {
         &self,
         coefficients: &mut Coefficients<V>,
     ) -> Regular<V::Mask> {
-        self.run(0, false, coefficients)
+        // Mostly there is nothing to compute, nor a path to choose for it.
+        if self.tape.instructions.iter().all(|step| step.moving) {
+            return Regular::smooth();
+        }
+        V::run(Constants {
+            tape: &self.tape,
+            coefficients,
+        })
     }
 
     /// Computes coefficient `k` of everything that moves, from the coefficients up to `k` of the
-    /// quantities and below `k` of everything else.
+    /// quantities and below `k` of everything else. For use inside a [`Kernel`].
     ///
     /// Guarantee: with coefficient 0 of the quantities enclosing their values and the others
     /// enclosing their true coefficients, the results enclose the true coefficients wherever the
     /// return value is smooth (as it was for the constants); elsewhere they mean nothing.
-    pub fn compute<V: Value>(
+    #[inline(always)]
+    pub fn compute<A: Arithmetic>(
         &self,
         k: usize,
-        coefficients: &mut Coefficients<V>,
-    ) -> Regular<V::Mask> {
-        self.run(k, true, coefficients)
-    }
-
-    fn run<V: Value>(
-        &self,
-        k: usize,
-        moving: bool,
-        coefficients: &mut Coefficients<V>,
-    ) -> Regular<V::Mask> {
-        // Many a right-hand side is a state; there is nothing to choose a path for.
-        if self.tape.instructions.is_empty() {
-            return Regular::smooth();
-        }
-        V::run(Compute {
-            tape: &self.tape,
-            k,
-            moving,
-            coefficients,
-        })
+        coefficients: &mut Coefficients<A::Value>,
+    ) -> Regular<MaskOf<A>> {
+        self.tape.compute::<A>(k, true, coefficients)
     }
 }
 
-struct Compute<'a, V> {
+struct Constants<'a, V> {
     tape: &'a Tape,
-    k: usize,
-    moving: bool,
     coefficients: &'a mut Coefficients<V>,
 }
 
-impl<V: Value> Kernel<V> for Compute<'_, V> {
+impl<V: Value> Kernel<V> for Constants<'_, V> {
     type Output = Regular<V::Mask>;
 
     #[inline(always)]
     fn run<A: Arithmetic<Value = V>>(self) -> Regular<V::Mask> {
+        self.tape.compute::<A>(0, false, self.coefficients)
+    }
+}
+
+impl Tape {
+    /// Coefficient `k` of everything that moves, or of everything that does not.
+    #[inline(always)]
+    fn compute<A: Arithmetic>(
+        &self,
+        k: usize,
+        moving: bool,
+        coefficients: &mut Coefficients<A::Value>,
+    ) -> Regular<MaskOf<A>> {
         let mut regular = Regular::smooth();
-        for step in &self.tape.instructions {
-            if step.moving == self.moving {
-                let of = step.compute::<A>(self.k, self.coefficients);
-                regular = regular.and(of);
+        for step in &self.instructions {
+            if step.moving == moving {
+                regular = regular.and(step.compute::<A>(k, coefficients));
             }
         }
         regular

@@ -147,12 +147,9 @@ impl Face<'_> {
                 if wanted.none() {
                     continue;
                 }
-                let (lo, hi) = {
-                    let slope = &self.survey.slopes[position];
-                    (slope.lo(), slope.hi())
-                };
-                let rising = wanted & Mask::from_fn(|lane| lo[lane] >= 0.0);
-                let falling = wanted.without(rising) & Mask::from_fn(|lane| hi[lane] <= 0.0);
+                let slope = &self.survey.slopes[position];
+                let rising = wanted & Mask::at_most(&[0.0; LANES], &slope.lo());
+                let falling = wanted.without(rising) & Mask::at_most(&slope.hi(), &[0.0; LANES]);
                 open[position] = open[position].without(rising | falling);
                 for (lanes, towards) in [(rising, side), (falling, side.other())] {
                     if lanes.none() {

@@ -48,6 +48,7 @@ mod corner;
 mod rough;
 mod series;
 
+use crate::advance::advance;
 use crate::apriori::Apriori;
 use crate::side::Side;
 use crate::system::{Registers, System};
@@ -129,16 +130,15 @@ impl System {
         self.expand_series(step.dt, faces, registers);
         let dt = Interval8::splat(step.dt);
         let whole = Interval8::splat(Interval::ZERO.hull(step.dt));
-        for state in 0..self.layout.states {
-            let [lower, upper] = &faces.bounds[state];
-            // The plain bound with the hull of all velocities holds as well.
-            let velocity = step.apriori.velocity[state];
-            let plain = step.q[state] + dt * velocity;
-            let plain_tube = step.q[state] + whole * velocity;
-            let moved = Interval8::between(lower.end, upper.end).intersect(&plain);
+        // The plain bounds with the hull of all velocities hold as well.
+        let velocity = &step.apriori.velocity;
+        advance(step.q, &dt, velocity, end);
+        advance(step.q, &whole, velocity, tube);
+        for (state, [lower, upper]) in faces.bounds.iter().enumerate() {
+            let moved = Interval8::between(lower.end, upper.end);
+            end[state] = end[state].intersect(&moved);
             let swept = Interval8::between(lower.range.lo(), upper.range.hi());
-            end[state].assign(step.lanes, &moved);
-            tube[state].assign(step.lanes, &swept.intersect(&plain_tube));
+            tube[state] = tube[state].intersect(&swept);
         }
     }
 

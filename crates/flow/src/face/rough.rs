@@ -13,6 +13,8 @@ use veribound_interval::{Interval, round};
 /// Phases one bound may pass through in one step before it falls back to the a-priori box.
 const PHASES: usize = 8;
 
+const ZERO: Floats = [0.0; LANES];
+
 /// What bounds that start or arrive at a zone do next: those in `enter` go on, the others rest.
 pub(super) struct AtZone {
     pub(super) enter: Mask,
@@ -22,12 +24,12 @@ pub(super) struct AtZone {
 }
 
 /// Bounds under way.
-struct Run {
+pub(super) struct Run {
     side: Side,
     /// The a-priori boxes' bounds.
     limit: Floats,
     v: Floats,
-    cell: [usize; LANES],
+    pub(super) cell: [usize; LANES],
     elapsed: Floats,
     range: Interval8,
     active: Mask,
@@ -50,9 +52,33 @@ impl Run {
 }
 
 impl Face<'_> {
+    /// Moves the bounds in `lanes` from their origin with constant rates.
     pub(super) fn finish_roughly(&mut self, side: Side, bound: &mut Bound, lanes: Mask) {
+        let run = self.start_roughly(side, bound, lanes);
+        self.finish_run(run, bound, lanes);
+    }
+
+    /// Bounds at their origin.
+    pub(super) fn start_roughly(&self, side: Side, bound: &Bound, lanes: Mask) -> Run {
+        let levels = &self.system.guards.levels[self.state];
         let limit = side.ends(&self.apriori.tube[self.state]);
-        let (end, range) = self.move_roughly(side, &bound.origin, lanes);
+        Run {
+            side,
+            limit,
+            v: bound.origin,
+            cell: bound.origin.map(|origin| levels.cell(origin)),
+            elapsed: ZERO,
+            range: Interval8::point(bound.origin),
+            active: lanes,
+            end: limit,
+        }
+    }
+
+    /// Moves bounds to the end of the step.
+    pub(super) fn finish_run(&mut self, mut run: Run, bound: &mut Bound, lanes: Mask) {
+        run.active &= lanes;
+        let (side, limit) = (run.side, run.limit);
+        let (end, range) = self.move_roughly(run);
         // No solution passes the a-priori box, so a bound beyond it may be put there.
         bound.series = bound.series.without(lanes);
         let inner: Floats = std::array::from_fn(|lane| side.inner(end[lane], limit[lane]));
@@ -77,9 +103,9 @@ impl Face<'_> {
         let beyond = side.between(&[edge; LANES], &limit);
         let beyond = beyond.intersect(&Interval8::splat(levels.range(outside)));
         let (rate, known) = self.rate(side, outside, &beyond, lanes);
-        let out = known & Mask::from_fn(|lane| side.beyond(rate[lane], 0.0));
+        let out = known & side.all_beyond(&rate, &ZERO);
         let (rate, known) = self.rate(side, cell, &Interval8::splat(range), lanes.without(out));
-        let through = known & Mask::from_fn(|lane| side.other().beyond(rate[lane], 0.0));
+        let through = known & side.other().all_beyond(&rate, &ZERO);
         let width = Interval::point(edge) - Interval::point(far);
         let choose = |lane: usize| out.get(lane);
         AtZone {
@@ -97,23 +123,12 @@ impl Face<'_> {
     }
 
     /// Moves the bounds with constant rates, phase by phase.
-    fn move_roughly(&mut self, side: Side, start: &Floats, lanes: Mask) -> (Floats, Interval8) {
-        let levels = &self.system.guards.levels[self.state];
-        let limit = side.ends(&self.apriori.tube[self.state]);
-        let mut run = Run {
-            side,
-            limit,
-            v: *start,
-            cell: start.map(|start| levels.cell(start)),
-            elapsed: [0.0; LANES],
-            range: Interval8::point(*start),
-            active: lanes,
-            end: limit,
-        };
+    fn move_roughly(&mut self, mut run: Run) -> (Floats, Interval8) {
         for _ in 0..PHASES {
             for (cell, group) in groups(run.cell, run.active) {
                 if cell % 2 == 1 {
-                    self.pass_zone(&mut run, cell, group);
+                    let next = self.at_zone(run.side, cell / 2, group);
+                    self.pass_zone(&mut run, cell, group, &next);
                 } else {
                     self.pass_region(&mut run, cell, group);
                 }
@@ -123,22 +138,21 @@ impl Face<'_> {
             }
         }
         let stuck = run.active;
-        run.put(stuck, &limit);
+        run.put(stuck, &run.limit.clone());
         run.stop(stuck);
         (run.end, run.range)
     }
 
-    /// One phase of bounds at a zone.
-    fn pass_zone(&mut self, run: &mut Run, cell: usize, group: Mask) {
+    /// One phase of bounds at a zone, at which they do what `next` says.
+    pub(super) fn pass_zone(&self, run: &mut Run, cell: usize, group: Mask, next: &AtZone) {
         let levels = &self.system.guards.levels[self.state];
         run.put(group, &[run.side.end(levels.range(cell)); LANES]);
-        let next = self.at_zone(run.side, cell / 2, group);
         run.stop(group.without(next.enter));
         let entering = group & next.enter;
         for lane in entering.lanes() {
             run.elapsed[lane] = round::add_up(run.elapsed[lane], next.after[lane]);
         }
-        let late = entering & Mask::from_fn(|lane| run.elapsed[lane] >= self.dt.lo());
+        let late = entering & Mask::at_most(&[self.dt.lo(); LANES], &run.elapsed);
         run.stop(late);
         let entering = entering.without(late);
         assign(&mut run.cell, entering, &next.cell);
@@ -154,14 +168,14 @@ impl Face<'_> {
         let ahead = side.between(&run.v, &run.limit).intersect(&within);
         let (rate, known) = self.rate(side, cell, &ahead, group);
         run.stop(group.without(known));
-        let inward = known & Mask::from_fn(|lane| side.other().beyond(rate[lane], 0.0));
+        let inward = known & side.other().all_beyond(&rate, &ZERO);
         let outward = known.without(inward);
         let rest = Interval8::splat(self.dt) - Interval8::point(run.elapsed);
         let from = Interval8::point(run.v);
         if !outward.none() {
             let reach = side.ends(&(from + Interval8::point(rate) * rest));
             let edge = side.end(region);
-            let over = outward & Mask::from_fn(|lane| side.beyond(reach[lane], edge));
+            let over = outward & side.all_beyond(&reach, &[edge; LANES]);
             run.put(outward.without(over), &reach);
             run.stop(outward.without(over));
             for lane in over.lanes() {
@@ -183,14 +197,14 @@ impl Face<'_> {
             .between(&side.other().ends(&sweep), &run.limit)
             .intersect(&within);
         let (rate, known) = self.rate(side, cell, &swept, inward);
-        let moves = known & Mask::from_fn(|lane| side.other().beyond(rate[lane], 0.0));
+        let moves = known & side.other().all_beyond(&rate, &ZERO);
         run.stop(inward.without(moves));
         if moves.none() {
             return;
         }
         let reach = side.ends(&(from + Interval8::point(rate) * rest));
         let edge = side.other().end(region);
-        let over = moves & Mask::from_fn(|lane| side.beyond(edge, reach[lane]));
+        let over = moves & side.all_beyond(&[edge; LANES], &reach);
         run.put(moves.without(over), &reach);
         run.stop(moves.without(over));
         for lane in over.lanes() {
@@ -200,7 +214,7 @@ impl Face<'_> {
             run.cell[lane] = outer_cell(side.other(), cell);
         }
         run.put(over, &[edge; LANES]);
-        run.stop(over & Mask::from_fn(|lane| run.elapsed[lane] >= self.dt.lo()));
+        run.stop(over & Mask::at_most(&[self.dt.lo(); LANES], &run.elapsed));
     }
 }
 

@@ -9,7 +9,7 @@ use super::{Face, Faces, Step};
 use crate::side::Side;
 use crate::system::{Registers, System};
 use veribound_interval::Interval;
-use veribound_interval::lanes::{Interval8, LANES, Mask};
+use veribound_interval::lanes::{Arithmetic, Interval8, Kernel, LANES, Mask, Value};
 
 /// Rounds of Picard's iteration for the comparison equations.
 const SERIES_ROUNDS: usize = 8;
@@ -18,27 +18,29 @@ impl Face<'_> {
     /// Chooses how both bounds of the state advance: as a series where one smooth right-hand side
     /// is certain.
     pub(super) fn begin(&mut self, bounds: &mut [Bound; 2], lanes: Mask) {
-        let levels = &self.system.guards.levels[self.state];
         let mut inside = [Mask::NONE; 2];
-        for side in Side::BOTH {
+        let runs = Side::BOTH.map(|side| {
             let bound = &mut bounds[side.index()];
             bound.reset();
             bound.origin = side.ends(&self.q[self.state]);
             bound.start = bound.origin;
-            bound.cell = bound.origin.map(|origin| levels.cell(origin));
-            for (cell, group) in groups(bound.cell, lanes) {
+            let mut run = self.start_roughly(side, bound, lanes);
+            bound.cell = run.cell;
+            for (cell, group) in groups(run.cell, lanes) {
                 inside[side.index()] |= if cell % 2 == 1 {
                     let next = self.at_zone(side, cell / 2, group);
-                    let at_once = Mask::from_fn(|lane| next.after[lane] == 0.0);
+                    let at_once = Mask::at_most(&next.after, &[0.0; LANES]);
                     let entering = group & next.enter & at_once;
                     assign(&mut bound.cell, entering, &next.cell);
                     assign(&mut bound.start, entering, &next.from);
+                    self.pass_zone(&mut run, cell, group.without(entering), &next);
                     entering
                 } else {
                     group
                 };
             }
-        }
+            run
+        });
         // Bounds in the same cell share what is found out about it.
         let mut surveyed = [Mask::NONE; 2];
         for side in Side::BOTH {
@@ -58,11 +60,10 @@ impl Face<'_> {
                 self.survey_cell(cell, each, bounds);
             }
         }
-        for side in Side::BOTH {
-            let bound = &mut bounds[side.index()];
+        for (run, bound) in runs.into_iter().zip(bounds) {
             let rough = lanes.without(bound.series);
             if !rough.none() {
-                self.finish_roughly(side, bound, rough);
+                self.finish_run(run, bound, rough);
             }
         }
     }
@@ -150,6 +151,7 @@ impl Face<'_> {
 impl Faces {
     /// Coefficient `k` of what a comparison equation reads of a state; over the whole step where
     /// `ranges`.
+    #[inline(always)]
     fn source(&self, state: usize, source: &Source, k: usize, ranges: bool) -> Interval8 {
         let mut value = if k == 0 {
             source.constant
@@ -200,14 +202,20 @@ impl System {
                     if series.none() {
                         continue;
                     }
-                    let (velocity, known) =
-                        self.comparison(state, side, 0, true, series, faces, registers);
+                    let (image, known) = Interval8::run(Picard {
+                        system: self,
+                        which: Which {
+                            state,
+                            side,
+                            lanes: series,
+                        },
+                        span,
+                        faces,
+                        registers,
+                    });
                     let bound = &mut faces.bounds[state][side.index()];
-                    let velocity = velocity + bound.slack;
-                    let image = Interval8::point(bound.start) + span * velocity;
                     let tube = &step.apriori.tube[state];
                     let good = known
-                        & velocity.is_bounded()
                         & image.is_subset_of(tube)
                         & self.keeps_to_cell(state, side, bound, &image, series);
                     let settled = good & image.is_subset_of(&bound.range);
@@ -252,29 +260,49 @@ impl System {
         for (cell, group) in groups(bound.cell, lanes) {
             let cell = self.guards.levels[state].range(cell);
             let edge = side.end(cell);
-            let ends = side.ends(range);
-            let before_edge =
-                Mask::from_fn(|lane| edge.is_infinite() || side.beyond(edge, ends[lane]));
-            keeps |= group & range.is_subset_of(&Interval8::splat(cell)) & before_edge;
+            let inside = group & range.is_subset_of(&Interval8::splat(cell));
+            keeps |= if edge.is_infinite() {
+                inside
+            } else {
+                inside & side.all_beyond(&[edge; LANES], &side.ends(range))
+            };
         }
         keeps
     }
 
-    /// Coefficient `k` of the right-hand sides of comparison equations, and where they are smooth.
-    #[allow(
-        clippy::too_many_arguments,
-        reason = "one bound, one coefficient, and the two places that hold the state of the step"
-    )]
-    fn comparison(
+    /// Taylor series of all comparison solutions side by side, with the remainder taken over
+    /// their ranges: `V(dt) ∈ Σ_(k<=ν) c_k dt^k + c_(ν+1)(range) dt^(ν+1)`.
+    pub(super) fn expand_series(&self, dt: Interval, faces: &mut Faces, registers: &mut Registers) {
+        Interval8::run(Expansion {
+            system: self,
+            dt: Interval8::splat(dt),
+            faces,
+            registers,
+        });
+    }
+}
+
+/// One bound of one state.
+#[derive(Clone, Copy)]
+struct Which {
+    state: usize,
+    side: Side,
+    /// The boxes for which it is wanted.
+    lanes: Mask,
+}
+
+impl System {
+    /// Coefficient `k` of the right-hand side of a comparison equation, and where it is smooth.
+    #[inline(always)]
+    fn comparison<A: Arithmetic<Value = Interval8>>(
         &self,
-        state: usize,
-        side: Side,
+        which: Which,
         k: usize,
         ranges: bool,
-        lanes: Mask,
         faces: &Faces,
         registers: &mut Registers,
     ) -> (Interval8, Mask) {
+        let Which { state, side, lanes } = which;
         let bound = &faces.bounds[state][side.index()];
         let mut velocity = Interval8::ENTIRE;
         let mut smooth = Mask::NONE;
@@ -290,25 +318,64 @@ impl System {
                 let value = faces.source(quantity, source, k, ranges);
                 tapes.series.set_quantity(position, k, value, scratch);
             }
-            let regular = tapes.series.compute(k, scratch);
-            let value = tapes.series.output(0, k, scratch);
-            velocity.assign(group, &value);
+            let regular = tapes.series.compute::<A>(k, scratch);
+            velocity.assign(group, &tapes.series.output(0, k, scratch));
             smooth |= group & regular.is_smooth();
+        }
+        if k == 0 {
+            velocity = A::add(&velocity, &bound.slack);
         }
         (velocity, smooth)
     }
+}
 
-    /// Taylor series of all comparison solutions side by side, with the remainder taken over
-    /// their ranges: `V(dt) ∈ Σ_(k<=ν) c_k dt^k + c_(ν+1)(range) dt^(ν+1)`.
-    pub(super) fn expand_series(&self, dt: Interval, faces: &mut Faces, registers: &mut Registers) {
-        let order = faces.order;
-        let dt = Interval8::splat(dt);
-        self.coefficients(true, order + 1, faces, registers);
-        for bound in faces.bounds.iter_mut().flatten() {
-            bound.remainder = bound.coefficients[order + 1];
+/// Where a comparison solution is during the step, if it is in its range; and where that is proved.
+struct Picard<'a> {
+    system: &'a System,
+    which: Which,
+    span: Interval8,
+    faces: &'a Faces,
+    registers: &'a mut Registers,
+}
+
+impl Kernel<Interval8> for Picard<'_> {
+    type Output = (Interval8, Mask);
+
+    #[inline(always)]
+    fn run<A: Arithmetic<Value = Interval8>>(self) -> (Interval8, Mask) {
+        let Which { state, side, .. } = self.which;
+        let (velocity, known) =
+            self.system
+                .comparison::<A>(self.which, 0, true, self.faces, self.registers);
+        let start = Interval8::point(self.faces.bounds[state][side.index()].start);
+        let image = A::add(&start, &A::mul(&self.span, &velocity));
+        (image, known & velocity.is_bounded())
+    }
+}
+
+/// [`System::expand_series`]
+struct Expansion<'a> {
+    system: &'a System,
+    dt: Interval8,
+    faces: &'a mut Faces,
+    registers: &'a mut Registers,
+}
+
+impl Kernel<Interval8> for Expansion<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arithmetic<Value = Interval8>>(mut self) {
+        let order = self.faces.order;
+        for (ranges, last) in [(true, order + 1), (false, order)] {
+            self.coefficients::<A>(ranges, last);
+            for bound in self.faces.bounds.iter_mut().flatten() {
+                if ranges {
+                    bound.remainder = bound.coefficients[last];
+                }
+            }
         }
-        self.coefficients(false, order, faces, registers);
-        for pair in &mut faces.bounds {
+        for pair in &mut self.faces.bounds {
             for side in Side::BOTH {
                 let bound = &mut pair[side.index()];
                 if bound.series.none() {
@@ -316,22 +383,19 @@ impl System {
                 }
                 let mut sum = bound.remainder;
                 for coefficient in bound.coefficients[..=order].iter().rev() {
-                    sum = *coefficient + dt * sum;
+                    sum = A::add(coefficient, &A::mul(&self.dt, &sum));
                 }
                 assign(&mut bound.end, bound.series, &side.ends(&sum));
             }
         }
     }
+}
 
+impl Expansion<'_> {
     /// Coefficients 0 to `last` of every comparison solution, along it or over its whole range.
-    fn coefficients(
-        &self,
-        ranges: bool,
-        last: usize,
-        faces: &mut Faces,
-        registers: &mut Registers,
-    ) {
-        for bound in faces.bounds.iter_mut().flatten() {
+    #[inline(always)]
+    fn coefficients<A: Arithmetic<Value = Interval8>>(&mut self, ranges: bool, last: usize) {
+        for bound in self.faces.bounds.iter_mut().flatten() {
             bound.coefficients[0] = if ranges {
                 bound.range
             } else {
@@ -339,25 +403,26 @@ impl System {
             };
         }
         for k in 0..last {
-            let reciprocal = faces.reciprocals[k];
-            for state in 0..self.layout.states {
+            let reciprocal = self.faces.reciprocals[k];
+            for state in 0..self.system.layout.states {
                 for side in Side::BOTH {
-                    let bound = &faces.bounds[state][side.index()];
-                    let lanes = bound.series;
+                    let lanes = self.faces.bounds[state][side.index()].series;
                     if lanes.none() {
                         continue;
                     }
+                    let which = Which { state, side, lanes };
                     let (value, smooth) =
-                        self.comparison(state, side, k, ranges, lanes, faces, registers);
-                    let bound = &mut faces.bounds[state][side.index()];
+                        self.system
+                            .comparison::<A>(which, k, ranges, self.faces, self.registers);
                     let value = if k == 0 {
-                        value + bound.slack
+                        value
                     } else {
-                        value * reciprocal
+                        A::mul(&value, &reciprocal)
                     };
                     // The ranges were accepted with a smooth right-hand side on them; were it
                     // otherwise, the unbounded coefficient says so and loses nothing.
-                    bound.coefficients[k + 1] = value.or_else(smooth, &Interval8::ENTIRE);
+                    let value = value.or_else(smooth, &Interval8::ENTIRE);
+                    self.faces.bounds[state][side.index()].coefficients[k + 1] = value;
                 }
             }
         }

@@ -3,7 +3,7 @@
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 use super::arithmetic::{Arithmetic, Kernel, Value};
-use super::{Floats, LANES, Mask};
+use super::{Floats, LANES, Lanewise, Mask};
 use crate::Interval;
 use crate::interval::{larger, smaller};
 
@@ -103,22 +103,28 @@ impl Interval8 {
     #[inline(always)]
     pub fn or_else(&self, mask: Mask, other: &Interval8) -> Interval8 {
         let mut all = *other;
-        for lane in 0..LANES {
-            let keep = mask.get(lane);
-            all.neg_lo[lane] = if keep {
-                self.neg_lo[lane]
-            } else {
-                all.neg_lo[lane]
-            };
-            all.hi[lane] = if keep { self.hi[lane] } else { all.hi[lane] };
-        }
+        all.assign(mask, self);
         all
     }
 
     /// Takes over `other` in the lanes of the mask.
     #[inline(always)]
     pub fn assign(&mut self, mask: Mask, other: &Interval8) {
-        *self = other.or_else(mask, self);
+        // Mostly all boxes take the same way.
+        if mask.all() {
+            *self = *other;
+        } else if !mask.none() {
+            let keep: [u64; LANES] =
+                std::array::from_fn(|lane| if mask.get(lane) { u64::MAX } else { 0 });
+            let choose = |to: &mut Floats, from: &Floats| {
+                for lane in 0..LANES {
+                    let (new, old) = (from[lane].to_bits(), to[lane].to_bits());
+                    to[lane] = f64::from_bits(new & keep[lane] | old & !keep[lane]);
+                }
+            };
+            choose(&mut self.neg_lo, &other.neg_lo);
+            choose(&mut self.hi, &other.hi);
+        }
     }
 
     /// The common elements, exactly.
@@ -149,32 +155,34 @@ impl Interval8 {
     /// The lanes without elements.
     #[inline(always)]
     pub fn is_empty(&self) -> Mask {
-        Mask::from_fn(|lane| -self.neg_lo[lane] > self.hi[lane])
+        Mask::below(&self.hi, &self.lo())
     }
 
     /// The lanes where both ends are finite; false for the empty set.
     #[inline(always)]
     pub fn is_bounded(&self) -> Mask {
-        Mask::from_fn(|lane| {
-            self.neg_lo[lane] < f64::INFINITY
-                && self.hi[lane] < f64::INFINITY
-                && -self.neg_lo[lane] <= self.hi[lane]
-        })
+        const INFINITE: Floats = [f64::INFINITY; LANES];
+        Mask::below(&self.neg_lo, &INFINITE)
+            & Mask::below(&self.hi, &INFINITE)
+            & Mask::at_most(&self.lo(), &self.hi)
     }
 
-    /// The lanes where every element of `self` is one of `other`.
+    /// The lanes where every element of `self` is one of `other`; the ends of the empty set are below
+    /// all others.
     #[inline(always)]
     pub fn is_subset_of(&self, other: &Interval8) -> Mask {
-        Mask::from_fn(|lane| {
-            (self.neg_lo[lane] <= other.neg_lo[lane]) & (self.hi[lane] <= other.hi[lane])
-                | (-self.neg_lo[lane] > self.hi[lane])
-        })
+        Mask::at_most(&self.neg_lo, &other.neg_lo) & Mask::at_most(&self.hi, &other.hi)
     }
 
     /// The lanes where `self` lies in the topological interior of `other`.
     #[inline(always)]
     pub fn is_interior_of(&self, other: &Interval8) -> Mask {
-        Mask::from_fn(|lane| self.get(lane).is_interior_of(other.get(lane)))
+        const INFINITE: Floats = [f64::INFINITY; LANES];
+        let inside = |end: &Floats, other: &Floats| {
+            Mask::below(end, other) | Mask::at_most(&INFINITE, other)
+        };
+        let within = inside(&self.neg_lo, &other.neg_lo) & inside(&self.hi, &other.hi);
+        within.without(other.is_empty()) | self.is_empty()
     }
 
     /// The lanes where the two sets have a common element.
@@ -186,17 +194,19 @@ impl Interval8 {
     /// The lanes where 0 is an element.
     #[inline(always)]
     pub fn contains_zero(&self) -> Mask {
-        Mask::from_fn(|lane| (self.neg_lo[lane] >= 0.0) & (self.hi[lane] >= 0.0))
+        const ZERO: Floats = [0.0; LANES];
+        Mask::at_most(&ZERO, &self.neg_lo) & Mask::at_most(&ZERO, &self.hi)
     }
 
     /// A finite float of every lane, as [`Interval::mid`].
     #[inline(always)]
     pub fn mid(&self) -> Floats {
-        let mut mid = [0.0; LANES];
-        for (lane, mid) in mid.iter_mut().enumerate() {
-            *mid = self.get(lane).mid();
+        let sum: Floats = std::array::from_fn(|lane| self.hi[lane] - self.neg_lo[lane]);
+        if sum.iter().all(|sum| sum.is_finite()) {
+            sum.map(|sum| 0.5 * sum)
+        } else {
+            std::array::from_fn(|lane| self.get(lane).mid())
         }
-        mid
     }
 
     /// `hi - lo` rounded up, as [`Interval::width`].
@@ -217,14 +227,10 @@ impl Interval8 {
         width
     }
 
-    /// The largest absolute values, as [`Interval::mag`].
+    /// The largest absolute values, as [`Interval::mag`]: the larger one of `-lo` and `hi`.
     #[inline(always)]
     pub fn mag(&self) -> Floats {
-        let mut mag = [0.0; LANES];
-        for (lane, mag) in mag.iter_mut().enumerate() {
-            *mag = self.get(lane).mag();
-        }
-        mag
+        std::array::from_fn(|lane| larger(larger(self.neg_lo[lane], self.hi[lane]), 0.0))
     }
 
     /// A scalar operation on each lane.

@@ -2,7 +2,7 @@
 
 use std::ops::{BitAnd, BitOr, Not};
 
-use super::LANES;
+use super::{Floats, LANES};
 
 /// One truth value for every lane of a [`crate::Value`]: `bool` for one interval, [`Mask`] for eight.
 pub trait Lanewise:
@@ -56,6 +56,26 @@ impl Mask {
             bits |= u8::from(value(lane)) << lane;
         }
         Mask(bits)
+    }
+
+    /// `a <= b`; false for NaN.
+    #[inline(always)]
+    pub fn at_most(a: &Floats, b: &Floats) -> Mask {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: SSE2 belongs to every x86-64 processor.
+        return Mask(unsafe { sse2::at_most(a, b) });
+        #[cfg(not(target_arch = "x86_64"))]
+        Mask::from_fn(|lane| a[lane] <= b[lane])
+    }
+
+    /// `a < b`; false for NaN.
+    #[inline(always)]
+    pub fn below(a: &Floats, b: &Floats) -> Mask {
+        #[cfg(target_arch = "x86_64")]
+        // SAFETY: SSE2 belongs to every x86-64 processor.
+        return Mask(unsafe { sse2::below(a, b) });
+        #[cfg(not(target_arch = "x86_64"))]
+        Mask::from_fn(|lane| a[lane] < b[lane])
     }
 
     /// True in the first `count` lanes.
@@ -115,6 +135,32 @@ impl Mask {
     }
 }
 
+/// Comparisons whose bits the compiler does not collect by itself in one instruction.
+#[cfg(target_arch = "x86_64")]
+mod sse2 {
+    use super::Floats;
+    use std::arch::x86_64::{_mm_cmple_pd, _mm_cmplt_pd, _mm_movemask_pd, _mm_set_pd};
+
+    macro_rules! comparison {
+        ($name:ident, $compare:ident) => {
+            #[target_feature(enable = "sse2")]
+            #[inline]
+            pub(super) fn $name(a: &Floats, b: &Floats) -> u8 {
+                let mut bits = 0;
+                for lane in [0, 2, 4, 6] {
+                    let a = _mm_set_pd(a[lane + 1], a[lane]);
+                    let b = _mm_set_pd(b[lane + 1], b[lane]);
+                    bits |= _mm_movemask_pd($compare(a, b)) << lane;
+                }
+                bits as u8
+            }
+        };
+    }
+
+    comparison!(at_most, _mm_cmple_pd);
+    comparison!(below, _mm_cmplt_pd);
+}
+
 impl Lanewise for Mask {
     #[inline(always)]
     fn splat(value: bool) -> Mask {
@@ -124,6 +170,11 @@ impl Lanewise for Mask {
     #[inline(always)]
     fn any(self) -> bool {
         self.0 != 0
+    }
+
+    #[inline(always)]
+    fn all(self) -> bool {
+        self.0 == u8::MAX
     }
 }
 
