@@ -118,13 +118,10 @@ fn power_of_positive(x: Interval, n: i32) -> Interval {
     )
 }
 
-/// A lower bound of `x^n` for `0 <= x <= inf`, in the limit at the ends; the largest float where the
-/// limit is infinite.
+/// A lower bound of `x^n` for `0 <= x <= inf`, in the limit at the ends. The lower end of a set of powers
+/// has no infinite limit.
 fn power_down(x: f64, n: i32) -> f64 {
-    match limit(x, n) {
-        Some(limit) => limit.min(f64::MAX),
-        None => Scaled::power(x, n).down(),
-    }
+    limit(x, n).unwrap_or_else(|| Scaled::power(x, n).down())
 }
 
 /// An upper bound of `x^n`; see [`power_down`].
@@ -158,7 +155,7 @@ fn root_of_positive(x: Interval, n: i32) -> Interval {
 /// be on the side of `a` where the root is not smaller.
 fn root_down(a: f64, n: i32) -> f64 {
     if let Some(limit) = limit(a, n) {
-        return limit.min(f64::MAX);
+        return limit;
     }
     let bound = Scaled::of(a);
     last_that_holds(root_guess(a, n), |x| {

@@ -410,13 +410,54 @@ impl Wide for F64x4 {
     }
 
     #[inline(always)]
-    fn lookup<const M: usize>(self, table: &[f64; M]) -> F64x4 {
+    fn pairs<const M: usize>(self, table: &[[f64; 2]; M]) -> [F64x4; 2] {
+        let [a, b, c, d] = self.places::<M>();
+        let (a, b, c, d) = (&table[a], &table[b], &table[c], &table[d]);
+        // SAFETY: each pair has two floats; the instructions are there as for `simd`.
+        unsafe {
+            let even = _mm256_loadu2_m128d(c.as_ptr(), a.as_ptr());
+            let odd = _mm256_loadu2_m128d(d.as_ptr(), b.as_ptr());
+            [
+                F64x4(_mm256_unpacklo_pd(even, odd)),
+                F64x4(_mm256_unpackhi_pd(even, odd)),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn rows<const M: usize>(self, table: &[[f64; 4]; M]) -> [F64x4; 4] {
+        let [a, b, c, d] = self.places::<M>();
+        let (a, b, c, d) = (&table[a], &table[b], &table[c], &table[d]);
+        // SAFETY: each row has four floats; the instructions are there as for `simd`.
+        unsafe {
+            let (a, b) = (_mm256_loadu_pd(a.as_ptr()), _mm256_loadu_pd(b.as_ptr()));
+            let (c, d) = (_mm256_loadu_pd(c.as_ptr()), _mm256_loadu_pd(d.as_ptr()));
+            let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+            let (cd_even, cd_odd) = (_mm256_unpacklo_pd(c, d), _mm256_unpackhi_pd(c, d));
+            [
+                F64x4(_mm256_permute2f128_pd::<0x20>(ab_even, cd_even)),
+                F64x4(_mm256_permute2f128_pd::<0x20>(ab_odd, cd_odd)),
+                F64x4(_mm256_permute2f128_pd::<0x31>(ab_even, cd_even)),
+                F64x4(_mm256_permute2f128_pd::<0x31>(ab_odd, cd_odd)),
+            ]
+        }
+    }
+}
+
+impl F64x4 {
+    /// The lowest bits of each float, a number below `M`.
+    #[inline(always)]
+    fn places<const M: usize>(self) -> [usize; 4] {
         const { assert!(M.is_power_of_two()) };
-        let places = simd!(_mm256_and_si256(
-            _mm256_castpd_si256(self.0),
-            _mm256_set1_epi64x(M as i64 - 1)
-        ));
-        // SAFETY: the places are below the length of the table; the instructions are there as for `simd`.
-        F64x4(unsafe { _mm256_i64gather_pd::<8>(table.as_ptr(), places) })
+        let mut bits = [0_u64; 4];
+        // SAFETY: there is room for four numbers; the instructions are there as for `simd`.
+        unsafe { _mm256_storeu_si256(bits.as_mut_ptr().cast(), _mm256_castpd_si256(self.0)) };
+        let [a, b, c, d] = bits;
+        [
+            a as usize & (M - 1),
+            b as usize & (M - 1),
+            c as usize & (M - 1),
+            d as usize & (M - 1),
+        ]
     }
 }

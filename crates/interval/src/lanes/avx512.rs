@@ -288,13 +288,44 @@ impl Wide for F64x8 {
     }
 
     #[inline(always)]
-    fn lookup<const M: usize>(self, table: &[f64; M]) -> F64x8 {
+    fn pairs<const M: usize>(self, table: &[[f64; 2]; M]) -> [F64x8; 2] {
+        let first = table.as_ptr().cast::<f64>();
+        // SAFETY: the places are even and below twice the number of pairs, so two floats are in the table from
+        // each on; the instructions are there as for `simd`.
+        unsafe {
+            let places = _mm512_slli_epi64::<1>(self.places::<M>());
+            [
+                F64x8(_mm512_i64gather_pd::<8>(places, first)),
+                F64x8(_mm512_i64gather_pd::<8>(places, first.add(1))),
+            ]
+        }
+    }
+
+    #[inline(always)]
+    fn rows<const M: usize>(self, table: &[[f64; 4]; M]) -> [F64x8; 4] {
+        let first = table.as_ptr().cast::<f64>();
+        // SAFETY: the places are multiples of four below four times the number of rows, so four floats are in
+        // the table from each on; the instructions are there as for `simd`.
+        unsafe {
+            let places = _mm512_slli_epi64::<2>(self.places::<M>());
+            [
+                F64x8(_mm512_i64gather_pd::<8>(places, first)),
+                F64x8(_mm512_i64gather_pd::<8>(places, first.add(1))),
+                F64x8(_mm512_i64gather_pd::<8>(places, first.add(2))),
+                F64x8(_mm512_i64gather_pd::<8>(places, first.add(3))),
+            ]
+        }
+    }
+}
+
+impl F64x8 {
+    /// The lowest bits of each float, a number below `M`.
+    #[inline(always)]
+    fn places<const M: usize>(self) -> __m512i {
         const { assert!(M.is_power_of_two()) };
-        let places = simd!(_mm512_and_si512(
+        simd!(_mm512_and_si512(
             _mm512_castpd_si512(self.0),
             _mm512_set1_epi64(M as i64 - 1)
-        ));
-        // SAFETY: the places are below the length of the table; the instructions are there as for `simd`.
-        F64x8(unsafe { _mm512_i64gather_pd::<8>(places, table.as_ptr()) })
+        ))
     }
 }

@@ -136,3 +136,34 @@ fn bound(high: f64, low: f64, lost: f64, up: bool) -> Option<f64> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// No random power comes so near to a float: what the error hides is left to the exact way.
+    #[test]
+    fn what_is_too_near_to_a_float_is_not_decided() {
+        let above = 1.0_f64.next_up();
+        let below = 1.0_f64.next_down();
+        let (certain, hidden) = (2_f64.powi(-94), 2_f64.powi(-95));
+        assert_eq!(bound(1.0, certain, 1.0, true), Some(above));
+        assert_eq!(bound(1.0, certain, 1.0, false), Some(1.0));
+        assert_eq!(bound(1.0, -certain, 1.0, true), Some(1.0));
+        assert_eq!(bound(1.0, -certain, 1.0, false), Some(below));
+        for low in [hidden, -hidden, 0.0] {
+            assert_eq!(bound(1.0, low, 1e-40, true), None);
+            assert_eq!(bound(1.0, low, 1e-40, false), None);
+        }
+        assert_eq!(bound(1.0, 0.0, 0.0, true), Some(1.0));
+        for high in [
+            2_f64.powi(900),
+            2_f64.powi(-901),
+            0.0,
+            f64::INFINITY,
+            f64::NAN,
+        ] {
+            assert_eq!(bound(high, 0.0, 0.0, true), None);
+        }
+    }
+}

@@ -2,9 +2,11 @@
 //! with it and nothing with each other: exact rational numbers, and inari with MPFR.
 //!
 //! A result has to contain the oracle's, which is the smallest possible, and its ends may lie as many floats
-//! further out as the table in `operation` says. `VERIBOUND_ORACLE_CASES` is the number of random cases of
-//! every operation, beside the directed ones, `VERIBOUND_ORACLE_SEED` draws others; `VERIBOUND_PEERS` is the
-//! folder of the peers (`peers/build`).
+//! further out as the table in `operation` says. The environment says how much is asked:
+//! - `VERIBOUND_ORACLE_CASES`: random cases of every operation, beside the directed ones;
+//! - `VERIBOUND_ORACLE_SEED`: draws others;
+//! - `VERIBOUND_ORACLE_ONLY`: operations, separated by commas;
+//! - `VERIBOUND_PEERS`: the folder of the peers (`peers/build`); without it inari is SKIPPED.
 
 #![allow(
     clippy::unwrap_used,

@@ -42,7 +42,7 @@ fn exp_nearest<V: Wide>(x: V) -> (V, V::Mask) {
     let bracket = r.times_plus(bracket, V::splat(0.5));
     let m = r.times(r).times_plus(bracket, rl);
 
-    let (th, tl) = (number.lookup(&POWERS.high), number.lookup(&POWERS.low));
+    let [th, tl] = number.pairs(&POWERS);
     let product = th.times(rh);
     let rest = th.times_minus(rh, product);
     let h = th.plus(product);

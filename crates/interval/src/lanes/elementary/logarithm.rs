@@ -2,7 +2,7 @@
 
 use super::super::vector::Ends;
 use super::exponential::open;
-use super::tables::{FIRST, LN_2_PARTS, LOGARITHMS, RECIPROCALS, WIDTH};
+use super::tables::{FIRST, LN_2_PARTS, PIECES, WIDTH};
 use super::wide::{Wide, nearest, neighbours};
 
 /// The float nearest to `ln x`, and where this is certain; not at 1.
@@ -45,14 +45,14 @@ fn ln_nearest<V: Wide>(x: V) -> (V, V::Mask) {
         .bits_minus(exponent.bits_left::<52>());
     let piece = from_first.bits_right::<WIDTH>();
 
-    let c = piece.lookup(&RECIPROCALS);
+    let [c, log_high, log_low, _] = piece.rows(&PIECES);
     let p = z.times(c);
     let pl = z.times_minus(c, p);
     let rh = p.minus(V::splat(1.0));
 
     let (high, low) = LN_2_PARTS;
-    let a = e.times_plus(V::splat(high), piece.lookup(&LOGARITHMS.high));
-    let b = e.times_plus(V::splat(low), piece.lookup(&LOGARITHMS.low));
+    let a = e.times_plus(V::splat(high), log_high);
+    let b = e.times_plus(V::splat(low), log_low);
 
     let hh = rh.times(rh);
     let hl = rh.times_minus(rh, hh);

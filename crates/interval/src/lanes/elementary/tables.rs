@@ -29,10 +29,10 @@ const fn times(a: Fixed, b: Fixed) -> Fixed {
 }
 
 /// The nearest float, and the nearest one to the rest.
-const fn pair(x: Fixed) -> (f64, f64) {
+const fn pair(x: Fixed) -> Pair {
     let high = x as f64;
     let rest = x.wrapping_sub(high as u128) as i128;
-    (high * UNIT, rest as f64 * UNIT)
+    [high * UNIT, rest as f64 * UNIT]
 }
 
 /// The part above the bit `2^-last`, exactly, and the nearest float to the rest.
@@ -41,51 +41,45 @@ const fn cut(x: Fixed, last: u32) -> (f64, f64) {
     ((x - rest) as f64 * UNIT, rest as f64 * UNIT)
 }
 
-/// High and low parts of `M` numbers.
-pub(super) struct Table<const M: usize> {
-    pub(super) high: [f64; M],
-    pub(super) low: [f64; M],
-}
-
-impl<const M: usize> Table<M> {
-    const fn set(&mut self, i: usize, value: (f64, f64)) {
-        (self.high[i], self.low[i]) = value;
-    }
-}
+/// Numbers from the table with a high and a low part each.
+pub(super) type Pair = [f64; 2];
 
 /// `2^(j / 128)`
-pub(super) static POWERS: Table<128> = {
-    let (mut table, mut x, mut j) = (Table::ZERO, ONE, 0);
+pub(super) static POWERS: [Pair; 128] = {
+    let (mut table, mut x, mut j) = ([[0.0; 2]; 128], ONE, 0);
     while j < 128 {
-        table.set(j, pair(x));
+        table[j] = pair(x);
         x = times(x, STEP_OF_POWERS);
         j += 1;
     }
     table
 };
 
-impl<const M: usize> Table<M> {
-    const ZERO: Table<M> = Table {
-        high: [0.0; M],
-        low: [0.0; M],
-    };
-}
+/// Sine and cosine of `j π / 128`.
+pub(super) static CIRCLE: [[f64; 4]; 256] = {
+    let (mut table, mut j) = ([[0.0; 4]; 256], 0);
+    while j < 256 {
+        let (s, c) = (SINES[j], SINES[(j + 64) % 256]);
+        table[j] = [s[0], s[1], c[0], c[1]];
+        j += 1;
+    }
+    table
+};
 
-/// `sin (j π / 128)`. A quarter of the circle later it is the cosine.
-pub(super) static SINES: Table<256> = {
-    let (mut table, mut cos, mut sin, mut j) = (Table::ZERO, ONE, 0, 0);
+const SINES: [Pair; 256] = {
+    let (mut table, mut cos, mut sin, mut j) = ([[0.0; 2]; 256], ONE, 0, 0);
     while j <= 32 {
         let (s, c) = (pair(sin), pair(cos));
         // The same angle, reflected at π/4 and π/2 and turned by π.
-        table.set(j, s);
-        table.set(64 - j, c);
-        table.set(64 + j, c);
-        table.set(128 - j, s);
-        table.set(128 + j, (-s.0, -s.1));
-        table.set(192 - j, (-c.0, -c.1));
-        table.set(192 + j, (-c.0, -c.1));
+        table[j] = s;
+        table[64 - j] = c;
+        table[64 + j] = c;
+        table[128 - j] = s;
+        table[128 + j] = [-s[0], -s[1]];
+        table[192 - j] = [-c[0], -c[1]];
+        table[192 + j] = [-c[0], -c[1]];
         if j > 0 {
-            table.set(256 - j, (-s.0, -s.1));
+            table[256 - j] = [-s[0], -s[1]];
         }
         (cos, sin) = (
             times(cos, COS_OF_ANGLE) - times(sin, SIN_OF_ANGLE),
@@ -112,22 +106,14 @@ const fn reciprocal_in_512ths(piece: usize) -> u32 {
     }
 }
 
-pub(super) static RECIPROCALS: [f64; 128] = {
-    let (mut all, mut i) = ([0.0; 128], 0);
-    while i < 128 {
-        all[i] = reciprocal_in_512ths(i) as f64 / 512.0;
-        i += 1;
-    }
-    all
-};
-
-/// Minus the logarithm of each reciprocal; the high part is a multiple of `2^-42`.
-pub(super) static LOGARITHMS: Table<128> = {
-    let (mut table, mut i) = (Table::ZERO, 0);
+/// For each piece the reciprocal, and minus its logarithm in two parts, the first a multiple of `2^-42`.
+pub(super) static PIECES: [[f64; 4]; 128] = {
+    let (mut table, mut i) = ([[0.0; 4]; 128], 0);
     while i < 128 {
         let n = reciprocal_in_512ths(i);
         let (high, low) = cut(size_of_log(n), 42);
-        table.set(i, if n > 512 { (-high, -low) } else { (high, low) });
+        let sign = if n > 512 { -1.0 } else { 1.0 };
+        table[i] = [n as f64 / 512.0, sign * high, sign * low, 0.0];
         i += 1;
     }
     table
@@ -242,9 +228,8 @@ mod tests {
 
     #[test]
     fn powers_of_two() {
-        assert_eq!((POWERS.high[0], POWERS.low[0]), (1.0, 0.0));
-        for j in 0..128_usize {
-            let (high, low) = (POWERS.high[j], POWERS.low[j]);
+        assert_eq!(POWERS[0], [1.0, 0.0]);
+        for (j, [high, low]) in POWERS.into_iter().enumerate() {
             assert!((1.0..2.0).contains(&high) && low.abs() <= 2_f64.powi(-53));
             // x^128 = 2^j (1 + d) with |d| < 2^-98: x has the relative error d / 128.
             let mut power = sum(&[high, low]);
@@ -259,38 +244,41 @@ mod tests {
     #[test]
     fn sines() {
         // The 256th power of the first step is 1 and the step is about π/128: no other root is near.
-        let (cos, sin) = (
-            sum(&[SINES.high[65], SINES.low[65]]),
-            sum(&[SINES.high[1], SINES.low[1]]),
-        );
+        let [sin, sin_rest, cos, cos_rest] = CIRCLE[1];
+        let (cos, sin) = (sum(&[cos, cos_rest]), sum(&[sin, sin_rest]));
         assert_near(&sin, &(pi() >> 7), -17);
         assert!(cos.is_positive());
         let turn = |(a, b): &(BigInt, BigInt)| -> (BigInt, BigInt) {
             ((a * &cos - b * &sin) >> BITS, (a * &sin + b * &cos) >> BITS)
         };
         let mut point = (unit(0), BigInt::zero());
-        for j in 0..256 {
-            let at = |j: usize| sum(&[SINES.high[j % 256], SINES.low[j % 256]]);
+        for [sin, sin_rest, cos, cos_rest] in CIRCLE {
+            let (s, c) = (sum(&[sin, sin_rest]), sum(&[cos, cos_rest]));
             // Each step errs by at most 2^-106 or so, 256 of them by 2^-98.
-            assert_near(&at(j), &point.1, -97);
-            assert_near(&at(j + 64), &point.0, -97);
+            assert_near(&s, &point.1, -97);
+            assert_near(&c, &point.0, -97);
             // Each entry by itself: s^2 + c^2 = 1 within the error of an entry.
-            let (s, c) = (at(j), at(j + 64));
             assert_near(&((&s * &s + &c * &c) >> BITS), &unit(0), -103);
-            assert!(SINES.low[j].abs() <= 2_f64.powi(-53) * SINES.high[j].abs());
+            assert!(sin_rest.abs() <= 2_f64.powi(-53) * sin.abs());
+            assert!(cos_rest.abs() <= 2_f64.powi(-53) * cos.abs());
             point = turn(&point);
         }
         assert_near(&point.0, &unit(0), -97);
         assert_near(&point.1, &BigInt::zero(), -97);
-        for (j, value) in [(0, 0.0), (64, 1.0), (128, 0.0), (192, -1.0)] {
-            assert_eq!((SINES.high[j], SINES.low[j]), (value, 0.0));
+        let corners = [
+            (0, 0.0, 1.0),
+            (64, 1.0, 0.0),
+            (128, 0.0, -1.0),
+            (192, -1.0, 0.0),
+        ];
+        for (j, sin, cos) in corners {
+            assert_eq!(CIRCLE[j], [sin, 0.0, cos, 0.0]);
         }
     }
 
     #[test]
     fn logarithms() {
-        for i in 0..128 {
-            let c = RECIPROCALS[i];
+        for (i, [c, high, low, _]) in PIECES.into_iter().enumerate() {
             let start = FIRST + ((i as u64) << WIDTH);
             let (first, last) = (
                 f64::from_bits(start),
@@ -298,7 +286,6 @@ mod tests {
             );
             assert_eq!((c * 512.0).fract(), 0.0);
             let most = (first * c - 1.0).abs().max((last * c - 1.0).abs());
-            let (high, low) = (LOGARITHMS.high[i], LOGARITHMS.low[i]);
             if c == 1.0 {
                 assert_eq!((high, low), (0.0, 0.0));
                 assert!(most < 2_f64.powi(-7));

@@ -2,7 +2,7 @@
 
 use super::super::vector::Ends;
 use super::exponential::open;
-use super::tables::{PI_OVER_128, SINES};
+use super::tables::{CIRCLE, PI_OVER_128};
 use super::wide::{ROUNDER, Wide, nearest, neighbours};
 
 /// The largest argument that is not left to the scalar operation, as in the module `period`.
@@ -62,10 +62,8 @@ fn sin_nearest<V: Wide>(x: V, turn: u64) -> (V, V::Mask) {
     let even = r2.times_plus(even, V::splat(-0.5));
     let pc = r2.times(even);
 
-    let at_sine = number.bits_plus(V::of_bits(turn));
-    let at_cosine = number.bits_plus(V::of_bits(turn + 64));
-    let (sh, sl) = (at_sine.lookup(&SINES.high), at_sine.lookup(&SINES.low));
-    let (ch, cl) = (at_cosine.lookup(&SINES.high), at_cosine.lookup(&SINES.low));
+    let place = number.bits_plus(V::of_bits(turn));
+    let [sh, sl, ch, cl] = place.rows(&CIRCLE);
     let product = ch.times(rh);
     let pl = ch.times_minus(rh, product);
     let h = sh.plus(product);

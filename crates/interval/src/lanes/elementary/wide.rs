@@ -25,9 +25,11 @@ pub(in super::super) trait Wide: Vector {
     fn bits_left<const N: u32>(self) -> Self;
     /// The bits moved to lower places, zeros behind them.
     fn bits_right<const N: u32>(self) -> Self;
-    /// The entries with the numbers that the lowest bits tell, as many bits as the table has. Required: the
-    /// size of the table is a power of two.
-    fn lookup<const M: usize>(self, table: &[f64; M]) -> Self;
+    /// The columns of the rows whose numbers the lowest bits tell, as many bits as the table has. Required: the
+    /// number of rows is a power of two.
+    fn pairs<const M: usize>(self, table: &[[f64; 2]; M]) -> [Self; 2];
+    /// The same of four columns.
+    fn rows<const M: usize>(self, table: &[[f64; 4]; M]) -> [Self; 4];
 
     #[inline(always)]
     fn of_bits(bits: u64) -> Self {
