@@ -407,22 +407,38 @@ impl Guards {
         in_cell: InCell,
         registers: &mut GuardRegisters,
     ) -> Mask {
-        // One alternative that holds everywhere leaves all of a box.
+        // One alternative that holds everywhere leaves all of a box; one that is alone needs no copy.
         let mut certain = Mask::NONE;
+        let (mut open, mut only, mut several) = (Mask::NONE, None, false);
         for part in parts {
-            certain |= self.decide(part, q, in_cell, registers).certain;
+            let decision = self.decide(part, q, in_cell, registers);
+            certain |= decision.certain;
             if lanes.without(certain).none() {
                 return lanes;
             }
+            let undecided = lanes.without(decision.certain | decision.impossible);
+            if !undecided.none() {
+                open |= undecided;
+                several |= only.is_some();
+                only = Some(part);
+            }
         }
-        let open = lanes.without(certain);
+        certain &= lanes;
+        open = open.without(certain);
+        match only {
+            Some(part) if !several && certain.none() => {
+                return self.clip_condition(part, q, open, in_cell, registers);
+            }
+            _ if open.none() => return certain,
+            _ => {}
+        }
         let mut whole = registers.spare.pop().unwrap_or_default();
         whole.clear();
         whole.extend_from_slice(q);
         let mut hull = registers.spare.pop().unwrap_or_default();
         hull.clear();
         hull.resize(q.len(), Interval8::EMPTY);
-        let mut possible = Mask::NONE;
+        let mut possible = certain;
         for part in parts {
             q.copy_from_slice(&whole);
             let left = self.clip_condition(part, q, open, in_cell, registers);
@@ -440,7 +456,7 @@ impl Guards {
         }
         registers.spare.push(whole);
         registers.spare.push(hull);
-        possible | (lanes & certain)
+        possible
     }
 
     /// Closed reading: true on all of a box, false on all of it, or not known.

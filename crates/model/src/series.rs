@@ -235,9 +235,14 @@ impl Instruction {
         let mut regular = Regular::smooth();
         let value = match self.op {
             Op::Square | Op::Power(_) => c.square::<A>(a, k),
+            // Constants have one coefficient only.
+            Op::Binary(Binary::Add) if k > 0 && !self.moving_operands.0 => *c.at(b, k),
+            Op::Binary(Binary::Add | Binary::Sub) if k > 0 && !self.moving_operands.1 => {
+                *c.at(a, k)
+            }
+            Op::Binary(Binary::Sub) if k > 0 && !self.moving_operands.0 => A::neg(c.at(b, k)),
             Op::Binary(Binary::Add) => A::add(c.at(a, k), c.at(b, k)),
             Op::Binary(Binary::Sub) => A::sub(c.at(a, k), c.at(b, k)),
-            // A constant factor has one coefficient only.
             Op::Binary(Binary::Mul) if !self.moving_operands.0 => A::mul(c.at(a, 0), c.at(b, k)),
             Op::Binary(Binary::Mul) if !self.moving_operands.1 => A::mul(c.at(a, k), c.at(b, 0)),
             Op::Binary(Binary::Mul) => c.convolve::<A>(a, b, k, 0, k),

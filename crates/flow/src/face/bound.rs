@@ -85,6 +85,7 @@ impl Bound {
     /// Forgets the comparison equations of the step before.
     pub(super) fn reset(&mut self) {
         self.series = Mask::NONE;
+        self.slack = Interval8::ZERO;
         for plan in &mut self.plans {
             plan.lanes = Mask::NONE;
             for source in &mut plan.sources {

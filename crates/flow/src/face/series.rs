@@ -202,7 +202,7 @@ impl System {
                     if series.none() {
                         continue;
                     }
-                    let (image, known) = Interval8::run(Picard {
+                    let (image, velocity, known) = Interval8::run(Picard {
                         system: self,
                         which: Which {
                             state,
@@ -219,6 +219,8 @@ impl System {
                         & image.is_subset_of(tube)
                         & self.keeps_to_cell(state, side, bound, &image, series);
                     let settled = good & image.is_subset_of(&bound.range);
+                    // The last round is the one in which no range changed any more.
+                    bound.coefficients[1].assign(settled, &velocity);
                     unsettled |= series.without(settled);
                     let mut lost = series.without(good);
                     let growing = good.without(settled);
@@ -322,14 +324,15 @@ impl System {
             velocity.assign(group, &tapes.series.output(0, k, scratch));
             smooth |= group & regular.is_smooth();
         }
-        if k == 0 {
+        if k == 0 && bound.slack != Interval8::ZERO {
             velocity = A::add(&velocity, &bound.slack);
         }
         (velocity, smooth)
     }
 }
 
-/// Where a comparison solution is during the step, if it is in its range; and where that is proved.
+/// Where a comparison solution is during the step, if it is in its range, and its velocity then; and
+/// where that is proved.
 struct Picard<'a> {
     system: &'a System,
     which: Which,
@@ -339,17 +342,17 @@ struct Picard<'a> {
 }
 
 impl Kernel<Interval8> for Picard<'_> {
-    type Output = (Interval8, Mask);
+    type Output = (Interval8, Interval8, Mask);
 
     #[inline(always)]
-    fn run<A: Arithmetic<Value = Interval8>>(self) -> (Interval8, Mask) {
+    fn run<A: Arithmetic<Value = Interval8>>(self) -> (Interval8, Interval8, Mask) {
         let Which { state, side, .. } = self.which;
         let (velocity, known) =
             self.system
                 .comparison::<A>(self.which, 0, true, self.faces, self.registers);
         let start = Interval8::point(self.faces.bounds[state][side.index()].start);
         let image = A::add(&start, &A::mul(&self.span, &velocity));
-        (image, known & velocity.is_bounded())
+        (image, velocity, known & velocity.is_bounded())
     }
 }
 
@@ -367,8 +370,9 @@ impl Kernel<Interval8> for Expansion<'_> {
     #[inline(always)]
     fn run<A: Arithmetic<Value = Interval8>>(mut self) {
         let order = self.faces.order;
-        for (ranges, last) in [(true, order + 1), (false, order)] {
-            self.coefficients::<A>(ranges, last);
+        // Over the ranges Picard's iteration has left the velocities.
+        for (ranges, first, last) in [(true, 1, order + 1), (false, 0, order)] {
+            self.coefficients::<A>(ranges, first, last);
             for bound in self.faces.bounds.iter_mut().flatten() {
                 if ranges {
                     bound.remainder = bound.coefficients[last];
@@ -392,9 +396,15 @@ impl Kernel<Interval8> for Expansion<'_> {
 }
 
 impl Expansion<'_> {
-    /// Coefficients 0 to `last` of every comparison solution, along it or over its whole range.
+    /// Coefficients after `first` up to `last` of every comparison solution, along it or over its
+    /// whole range.
     #[inline(always)]
-    fn coefficients<A: Arithmetic<Value = Interval8>>(&mut self, ranges: bool, last: usize) {
+    fn coefficients<A: Arithmetic<Value = Interval8>>(
+        &mut self,
+        ranges: bool,
+        first: usize,
+        last: usize,
+    ) {
         for bound in self.faces.bounds.iter_mut().flatten() {
             bound.coefficients[0] = if ranges {
                 bound.range
@@ -402,7 +412,7 @@ impl Expansion<'_> {
                 Interval8::point(bound.start)
             };
         }
-        for k in 0..last {
+        for k in first..last {
             let reciprocal = self.faces.reciprocals[k];
             for state in 0..self.system.layout.states {
                 for side in Side::BOTH {
