@@ -11,7 +11,7 @@ use std::arch::x86_64::*;
 
 use super::elementary::{self, Wide};
 use super::vector::Vector;
-use super::{Floats, Interval8};
+use super::{Floats, Interval8, power};
 
 const UP: i32 = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC;
 const DOWN: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
@@ -209,6 +209,14 @@ impl Vector for F64x8 {
     #[inline(always)]
     fn cos(a: &Interval8) -> Interval8 {
         elementary::cos::<F64x8>(a)
+    }
+
+    #[inline(always)]
+    fn powi(a: &Interval8, n: i32) -> Interval8 {
+        match u32::try_from(n) {
+            Ok(n @ 2..=power::MOST) => power::powi::<F64x8>(a, n),
+            _ => a.map(|x| x.powi(n)),
+        }
     }
 }
 

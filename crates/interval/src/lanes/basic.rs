@@ -159,7 +159,7 @@ fn square<V: Vector>(x: Ends<V>, _: Ends<V>) -> (Ends<V>, u32) {
 /// Of `-lo` and `hi` the larger one is the largest magnitude; the smaller one is negative where the set has one
 /// sign, and then it is the negated magnitude of the nearer end.
 #[inline(always)]
-fn magnitudes<V: Vector>(x: Ends<V>) -> (V, V) {
+pub(super) fn magnitudes<V: Vector>(x: Ends<V>) -> (V, V) {
     let near = x.neg_lo.smaller(x.hi).negated().larger(V::splat(0.0));
     (near, x.neg_lo.larger(x.hi))
 }
@@ -240,6 +240,22 @@ fn absolute<V: Vector>(x: Ends<V>, _: Ends<V>) -> (Ends<V>, u32) {
 #[inline(always)]
 pub(super) fn abs<V: Vector>(a: &Interval8) -> Interval8 {
     chunks!(V, a, a, absolute, |a, _| a.abs())
+}
+
+/// `-1` or `1` at each end: the sign of 0 is every number between.
+#[inline(always)]
+fn signs<V: Vector>(x: Ends<V>, _: Ends<V>) -> (Ends<V>, u32) {
+    let (zero, one, minus_one) = (V::splat(0.0), V::splat(1.0), V::splat(-1.0));
+    let sign = Ends {
+        neg_lo: V::select(zero.above(x.neg_lo), minus_one, one),
+        hi: V::select(zero.above(x.hi), minus_one, one),
+    };
+    (sign.empty_where(x.is_empty()), 0)
+}
+
+#[inline(always)]
+pub(super) fn sign<V: Vector>(a: &Interval8) -> Interval8 {
+    chunks!(V, a, a, signs, |a, _| a.sign())
 }
 
 #[inline(always)]

@@ -25,6 +25,8 @@ mod interval8;
 mod mask;
 mod path;
 mod portable;
+#[cfg(target_arch = "x86_64")]
+mod power;
 mod scalar;
 mod vector;
 

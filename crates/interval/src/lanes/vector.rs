@@ -97,6 +97,26 @@ pub(super) trait Vector: Copy {
         a.map(Interval::cos)
     }
 
+    #[inline(always)]
+    fn tan(a: &Interval8) -> Interval8 {
+        a.map(Interval::tan)
+    }
+
+    #[inline(always)]
+    fn atan(a: &Interval8) -> Interval8 {
+        a.map(Interval::atan)
+    }
+
+    #[inline(always)]
+    fn tanh(a: &Interval8) -> Interval8 {
+        a.map(Interval::tanh)
+    }
+
+    #[inline(always)]
+    fn powi(a: &Interval8, n: i32) -> Interval8 {
+        a.map(|x| x.powi(n))
+    }
+
     /// Smallest float not below the value; `-inf` or NaN where it is too small for a float.
     fn round_up(value: Self::Upper) -> Self;
 }

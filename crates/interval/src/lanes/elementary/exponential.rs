@@ -87,6 +87,6 @@ pub(super) fn exponentials<V: Wide>(x: Ends<V>, _: Ends<V>) -> (Ends<V>, u32) {
 
 /// The lanes where the mask is not set.
 #[inline(always)]
-pub(super) fn open<V: Vector>(done: V::Mask) -> u32 {
+pub(in super::super) fn open<V: Vector>(done: V::Mask) -> u32 {
     V::bits(done) ^ ((1 << V::WIDTH) - 1)
 }

@@ -11,6 +11,7 @@ mod tables;
 mod wave;
 mod wide;
 
+pub(super) use exponential::open;
 pub(super) use wide::Wide;
 
 use super::Interval8;

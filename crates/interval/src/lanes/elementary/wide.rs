@@ -31,6 +31,13 @@ pub(in super::super) trait Wide: Vector {
     /// The same of four columns.
     fn rows<const M: usize>(self, table: &[[f64; 4]; M]) -> [Self; 4];
 
+    /// The next float above where the mask is set, for normal numbers; see `raised` of the basic operations.
+    #[inline(always)]
+    fn raised_where(self, mask: Self::Mask) -> Self {
+        let above = self.abs().times_plus(Self::splat(STEP), self);
+        Self::select(mask, above, self)
+    }
+
     #[inline(always)]
     fn of_bits(bits: u64) -> Self {
         Self::splat(f64::from_bits(bits))
