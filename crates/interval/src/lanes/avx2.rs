@@ -319,6 +319,11 @@ impl Vector for F64x4 {
     }
 
     #[inline(always)]
+    fn tan(a: &Interval8) -> Interval8 {
+        elementary::tan::<F64x4>(a)
+    }
+
+    #[inline(always)]
     fn powi(a: &Interval8, n: i32) -> Interval8 {
         match u32::try_from(n) {
             Ok(n @ 2..=power::MOST) => power::powi::<F64x4>(a, n),
@@ -358,6 +363,11 @@ impl Wide for F64x4 {
     #[inline(always)]
     fn times(self, other: F64x4) -> F64x4 {
         F64x4(simd!(_mm256_mul_pd(self.0, other.0)))
+    }
+
+    #[inline(always)]
+    fn over(self, other: F64x4) -> F64x4 {
+        F64x4(simd!(_mm256_div_pd(self.0, other.0)))
     }
 
     #[inline(always)]

@@ -212,6 +212,11 @@ impl Vector for F64x8 {
     }
 
     #[inline(always)]
+    fn tan(a: &Interval8) -> Interval8 {
+        elementary::tan::<F64x8>(a)
+    }
+
+    #[inline(always)]
     fn powi(a: &Interval8, n: i32) -> Interval8 {
         match u32::try_from(n) {
             Ok(n @ 2..=power::MOST) => power::powi::<F64x8>(a, n),
@@ -234,6 +239,11 @@ impl Wide for F64x8 {
     #[inline(always)]
     fn times(self, other: F64x8) -> F64x8 {
         F64x8(simd!(_mm512_mul_pd(self.0, other.0)))
+    }
+
+    #[inline(always)]
+    fn over(self, other: F64x8) -> F64x8 {
+        F64x8(simd!(_mm512_div_pd(self.0, other.0)))
     }
 
     #[inline(always)]

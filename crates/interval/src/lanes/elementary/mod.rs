@@ -19,7 +19,7 @@ use super::basic::chunks;
 use crate::Interval;
 use exponential::exponentials;
 use logarithm::logarithms;
-use wave::{cosines, sines};
+use wave::{cosines, sines, tangents};
 
 #[inline(always)]
 pub(super) fn exp<V: Wide>(a: &Interval8) -> Interval8 {
@@ -39,4 +39,9 @@ pub(super) fn sin<V: Wide>(a: &Interval8) -> Interval8 {
 #[inline(always)]
 pub(super) fn cos<V: Wide>(a: &Interval8) -> Interval8 {
     chunks!(V, a, a, cosines, |a: Interval, _| a.cos())
+}
+
+#[inline(always)]
+pub(super) fn tan<V: Wide>(a: &Interval8) -> Interval8 {
+    chunks!(V, a, a, tangents, |a: Interval, _| a.tan())
 }

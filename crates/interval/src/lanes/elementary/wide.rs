@@ -8,6 +8,7 @@ pub(in super::super) trait Wide: Vector {
     fn plus(self, other: Self) -> Self;
     fn minus(self, other: Self) -> Self;
     fn times(self, other: Self) -> Self;
+    fn over(self, other: Self) -> Self;
     /// `self a + b`, rounded once.
     fn times_plus(self, a: Self, b: Self) -> Self;
     /// `self a - b`, rounded once.
