@@ -1,5 +1,6 @@
-//! Eight lanes against one: on every path of this machine, each lane of a result has the bits of the scalar
-//! operation (the sign of a zero end aside). `VERIBOUND_LANES` restricts the tests to one path.
+//! Eight lanes against one: on every path of this machine, each lane of a result has the bits of
+//! the scalar operation (the sign of a zero end aside). `VERIBOUND_LANES` restricts the tests to
+//! one path.
 
 #![allow(
     clippy::unwrap_used,
@@ -245,7 +246,8 @@ fn special_ends_on_every_path() {
     check(&BINARY, &shuffled(&pairs));
 }
 
-/// Random intervals: of all magnitudes, often narrow, with equal or zero ends, sometimes unbounded or empty.
+/// Random intervals: of all magnitudes, often narrow, with equal or zero ends, sometimes unbounded
+/// or empty.
 fn interval(source: &mut Source) -> Interval {
     let (a, b) = source.floats();
     let (lo, hi) = match source.below(16) {
@@ -305,8 +307,8 @@ fn ordinary_intervals_on_every_path() {
     }
 }
 
-/// Arguments of the elementary functions from the ranges where they are computed in different ways, and at
-/// the borders of these.
+/// Arguments of the elementary functions from the ranges where they are computed in different ways,
+/// and at the borders of these.
 fn argument(source: &mut Source) -> f64 {
     let x = match source.below(10) {
         0 => source.between(0.0, 1.0),

@@ -1,7 +1,7 @@
 //! Eight floats in a register of AVX-512, whose instructions round upward by themselves.
 //!
-//! The rounding is part of each instruction; no state of the processor is touched. So every bound is the
-//! tight one, below the normal range and above the largest float, too.
+//! The rounding is part of each instruction; no state of the processor is touched. So every bound
+//! is the tight one, below the normal range and above the largest float, too.
 #![allow(
     unused_unsafe,
     reason = "the instructions are safe where the whole program is compiled for them"
@@ -308,8 +308,8 @@ impl Wide for F64x8 {
     #[inline(always)]
     fn pairs<const M: usize>(self, table: &[[f64; 2]; M]) -> [F64x8; 2] {
         let first = table.as_ptr().cast::<f64>();
-        // SAFETY: the places are even and below twice the number of pairs, so two floats are in the table from
-        // each on; the instructions are there as for `simd`.
+        // SAFETY: the places are even and below twice the number of pairs, so two floats are in the
+        // table from each on; the instructions are there as for `simd`.
         unsafe {
             let places = _mm512_slli_epi64::<1>(self.places::<M>());
             [
@@ -322,8 +322,8 @@ impl Wide for F64x8 {
     #[inline(always)]
     fn rows<const M: usize>(self, table: &[[f64; 4]; M]) -> [F64x8; 4] {
         let first = table.as_ptr().cast::<f64>();
-        // SAFETY: the places are multiples of four below four times the number of rows, so four floats are in
-        // the table from each on; the instructions are there as for `simd`.
+        // SAFETY: the places are multiples of four below four times the number of rows, so four
+        // floats are in the table from each on; the instructions are there as for `simd`.
         unsafe {
             let places = _mm512_slli_epi64::<2>(self.places::<M>());
             [

@@ -19,10 +19,11 @@ struct Near<V> {
 impl<V: Wide> Near<V> {
     /// The product with a relative error below `9 · 2^-106`.
     ///
-    /// Proof, with `u = 2^-53` and sizes relative to the product: `p + e` is the product of the high parts.
-    /// Dropped is `low low` (`u^2`). Rounded are the mixed products (`u^2` and `2 u^2`) and their sum with `e`
-    /// (`3 u^2`), which is below `4 u`, so that the last sum is exact (Fast2Sum). Where a product
-    /// is below the smallest float, that is at most `2^-175` of the whole for the numbers of [`end`].
+    /// Proof, with `u = 2^-53` and sizes relative to the product: `p + e` is the product of the
+    /// high parts. Dropped is `low low` (`u^2`). Rounded are the mixed products (`u^2` and `2 u^2`)
+    /// and their sum with `e` (`3 u^2`), which is below `4 u`, so that the last sum is exact
+    /// (Fast2Sum). Where a product is below the smallest float, that is at most `2^-175` of the
+    /// whole for the numbers of [`end`].
     #[inline(always)]
     fn times(self, other: Near<V>) -> Near<V> {
         let p = self.high.times(other.high);
@@ -38,8 +39,8 @@ impl<V: Wide> Near<V> {
     }
 }
 
-/// `x^n` for `2 <= n <= 64`. The factors on the way lie between 1 and the power, and the errors of at most 63
-/// factors add up: `|θ| < 2^-96.8`.
+/// `x^n` for `2 <= n <= 64`. The factors on the way lie between 1 and the power, and the errors of
+/// at most 63 factors add up: `|θ| < 2^-96.8`.
 #[inline(always)]
 fn power<V: Wide>(x: V, n: u32) -> Near<V> {
     let zero = V::splat(0.0);
@@ -66,9 +67,9 @@ fn power<V: Wide>(x: V, n: u32) -> Near<V> {
 
 /// The smallest float not below the `n`-th power of `x`, or its negative, and where this is certain.
 ///
-/// `high` is the float nearest to `high + low`. The true power lies above it if `low > 2^-95 |high|`, below it if
-/// `low < -2^-95 |high|`, and is `high` if nothing was rounded. Zero and infinity are their own
-/// powers.
+/// `high` is the float nearest to `high + low`. The true power lies above it if
+/// `low > 2^-95 |high|`, below it if `low < -2^-95 |high|`, and is `high` if nothing was rounded.
+/// Zero and infinity are their own powers.
 #[inline(always)]
 fn end<V: Wide>(x: V, n: u32, negated: bool) -> (V, V::Mask) {
     const CERTAIN: f64 = f64::from_bits((1023 - 95) << 52);

@@ -45,8 +45,9 @@ pub(super) trait Vector: Copy {
     /// Bit `i` for float `i`.
     fn mask(bits: u32) -> Self::Mask;
 
-    /// What an end that [`Vector::sum_up`] or [`Vector::round_up`] gave is at least: `-inf` in the lanes of the
-    /// mask, elsewhere the largest negative number (or `-inf`, if this is never given for it).
+    /// What an end that [`Vector::sum_up`] or [`Vector::round_up`] gave is at least: `-inf` in the
+    /// lanes of the mask, elsewhere the largest negative number (or `-inf`, if this is never given
+    /// for it).
     fn floor(empty: Self::Mask) -> Self;
     /// `larger` of the floor of a set that is not empty.
     fn or_lowest(self) -> Self;

@@ -1,9 +1,10 @@
 //! Elementary functions on lanes.
 //!
-//! The scalar functions give the neighbours of the float nearest to a value, cut by known bounds. So lanes
-//! need the nearest float, too: a sum of two floats is computed whose error is proved to be small, and where all
-//! numbers within this error round to the same float, this is it. Elsewhere (about once in a thousand values), and
-//! for arguments out of the usual range, the scalar operation does the lane.
+//! The scalar functions give the neighbours of the float nearest to a value, cut by known bounds.
+//! So lanes need the nearest float, too: a sum of two floats is computed whose error is proved to
+//! be small, and where all numbers within this error round to the same float, this is it. Elsewhere
+//! (about once in a thousand values), and for arguments out of the usual range, the scalar
+//! operation does the lane.
 
 mod exponential;
 mod logarithm;

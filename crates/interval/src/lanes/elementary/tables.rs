@@ -1,4 +1,5 @@
-//! Tables of elementary functions, computed by the compiler in fixed point with 126 bits after the point.
+//! Tables of elementary functions, computed by the compiler in fixed point with 126 bits after the
+//! point.
 //!
 //! An entry is a pair of floats: the nearest one, and the nearest one to the rest. Each is within
 //! `2^-105` of its true value, and within `2^-53` of its nearest float; the tests below prove it with
@@ -95,7 +96,8 @@ pub(super) const FIRST: u64 = 0x3fe6_0000_0000_0000;
 /// Bits of the length of a piece.
 pub(super) const WIDTH: u32 = 45;
 
-/// A float near the reciprocal of the numbers of a piece, a multiple of `2^-9`; 1 for the two pieces at 1.
+/// A float near the reciprocal of the numbers of a piece, a multiple of `2^-9`; 1 for the two
+/// pieces at 1.
 const fn reciprocal_in_512ths(piece: usize) -> u32 {
     let start = FIRST + ((piece as u64) << WIDTH);
     let (first, last) = (f64::from_bits(start), f64::from_bits(start + (1 << WIDTH)));
@@ -106,7 +108,8 @@ const fn reciprocal_in_512ths(piece: usize) -> u32 {
     }
 }
 
-/// For each piece the reciprocal, and minus its logarithm in two parts, the first a multiple of `2^-42`.
+/// For each piece the reciprocal, and minus its logarithm in two parts, the first a multiple of
+/// `2^-42`.
 pub(super) static PIECES: [[f64; 4]; 128] = {
     let (mut table, mut i) = ([[0.0; 4]; 128], 0);
     while i < 128 {
