@@ -217,6 +217,16 @@ impl Vector for F64x8 {
     }
 
     #[inline(always)]
+    fn atan(a: &Interval8) -> Interval8 {
+        elementary::atan::<F64x8>(a)
+    }
+
+    #[inline(always)]
+    fn tanh(a: &Interval8) -> Interval8 {
+        elementary::tanh::<F64x8>(a)
+    }
+
+    #[inline(always)]
     fn powi(a: &Interval8, n: i32) -> Interval8 {
         match u32::try_from(n) {
             Ok(n @ 2..=power::MOST) => power::powi::<F64x8>(a, n),

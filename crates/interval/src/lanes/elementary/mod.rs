@@ -6,7 +6,9 @@
 //! (about once in a thousand values), and for arguments out of the usual range, the scalar
 //! operation does the lane.
 
+mod arctangent;
 mod exponential;
+mod hyperbolic;
 mod logarithm;
 mod tables;
 mod wave;
@@ -18,7 +20,9 @@ pub(super) use wide::Wide;
 use super::Interval8;
 use super::basic::chunks;
 use crate::Interval;
+use arctangent::arctangents;
 use exponential::exponentials;
+use hyperbolic::tanhs;
 use logarithm::logarithms;
 use wave::{cosines, sines, tangents};
 
@@ -45,4 +49,14 @@ pub(super) fn cos<V: Wide>(a: &Interval8) -> Interval8 {
 #[inline(always)]
 pub(super) fn tan<V: Wide>(a: &Interval8) -> Interval8 {
     chunks!(V, a, a, tangents, |a: Interval, _| a.tan())
+}
+
+#[inline(always)]
+pub(super) fn atan<V: Wide>(a: &Interval8) -> Interval8 {
+    chunks!(V, a, a, arctangents, |a: Interval, _| a.atan())
+}
+
+#[inline(always)]
+pub(super) fn tanh<V: Wide>(a: &Interval8) -> Interval8 {
+    chunks!(V, a, a, tanhs, |a: Interval, _| a.tanh())
 }
