@@ -1,5 +1,6 @@
-//! Eight lanes against one: on every path of this machine, each lane of a result has the bits of the scalar
-//! operation (the sign of a zero end aside). `VERIBOUND_LANES` restricts the tests to one path.
+//! Eight lanes against one: on every path of this machine, each lane of a result has the bits of
+//! the scalar operation (the sign of a zero end aside). `VERIBOUND_LANES` restricts the tests to
+//! one path.
 
 #![allow(
     clippy::unwrap_used,
@@ -23,6 +24,8 @@ enum Operation {
     Sqr,
     Sqrt,
     Abs,
+    Sign,
+    Power(i32),
     Min,
     Max,
     Intersect,
@@ -31,13 +34,31 @@ enum Operation {
     Ln,
     Sin,
     Cos,
+    Tan,
+    Atan,
+    Tanh,
 }
 
 use Operation::*;
 
 const BINARY: [Operation; 8] = [Add, Sub, Mul, Div, Min, Max, Intersect, Hull];
-const UNARY: [Operation; 4] = [Neg, Sqr, Sqrt, Abs];
-const ELEMENTARY: [Operation; 4] = [Exp, Ln, Sin, Cos];
+const UNARY: [Operation; 14] = [
+    Neg,
+    Sqr,
+    Sqrt,
+    Abs,
+    Sign,
+    Power(-2),
+    Power(-1),
+    Power(0),
+    Power(1),
+    Power(2),
+    Power(3),
+    Power(4),
+    Power(11),
+    Power(64),
+];
+const ELEMENTARY: [Operation; 7] = [Exp, Ln, Sin, Cos, Tan, Atan, Tanh];
 
 /// One operation, on lanes and on scalars alike.
 #[inline(always)]
@@ -51,6 +72,8 @@ fn apply<A: Arithmetic>(operation: Operation, a: &A::Value, b: &A::Value) -> A::
         Sqr => A::sqr(a),
         Sqrt => A::sqrt(a),
         Abs => A::abs(a),
+        Sign => A::sign(a),
+        Power(n) => A::powi(a, n),
         Min => A::min(a, b),
         Max => A::max(a, b),
         Intersect => A::intersect(a, b),
@@ -59,6 +82,9 @@ fn apply<A: Arithmetic>(operation: Operation, a: &A::Value, b: &A::Value) -> A::
         Ln => A::ln(a),
         Sin => A::sin(a),
         Cos => A::cos(a),
+        Tan => A::tan(a),
+        Atan => A::atan(a),
+        Tanh => A::tanh(a),
     }
 }
 
@@ -72,6 +98,8 @@ fn scalar(operation: Operation, a: Interval, b: Interval) -> Interval {
         Sqr => a.sqr(),
         Sqrt => a.sqrt(),
         Abs => a.abs(),
+        Sign => a.sign(),
+        Power(n) => a.powi(n),
         Min => a.min(b),
         Max => a.max(b),
         Intersect => a.intersect(b),
@@ -80,6 +108,9 @@ fn scalar(operation: Operation, a: Interval, b: Interval) -> Interval {
         Ln => a.ln(),
         Sin => a.sin(),
         Cos => a.cos(),
+        Tan => a.tan(),
+        Atan => a.atan(),
+        Tanh => a.tanh(),
     }
 }
 
@@ -106,17 +137,9 @@ impl Kernel<Interval8> for Apply<'_> {
     fn run<A: Arithmetic<Value = Interval8>>(self) {
         let pairs = self.a.iter().zip(self.b);
         self.out.clear();
-        // The operation is chosen outside the loop.
-        macro_rules! all {
-            ($($name:ident),+) => {
-                match self.operation {
-                    $($name => self.out.extend(pairs.map(|(a, b)| apply::<A>($name, a, b))),)+
-                }
-            };
+        for (a, b) in pairs {
+            self.out.push(apply::<A>(self.operation, a, b));
         }
-        all!(
-            Neg, Add, Sub, Mul, Div, Sqr, Sqrt, Abs, Min, Max, Intersect, Hull, Exp, Ln, Sin, Cos
-        );
     }
 }
 
@@ -223,7 +246,8 @@ fn special_ends_on_every_path() {
     check(&BINARY, &shuffled(&pairs));
 }
 
-/// Random intervals: of all magnitudes, often narrow, with equal or zero ends, sometimes unbounded or empty.
+/// Random intervals: of all magnitudes, often narrow, with equal or zero ends, sometimes unbounded
+/// or empty.
 fn interval(source: &mut Source) -> Interval {
     let (a, b) = source.floats();
     let (lo, hi) = match source.below(16) {
@@ -283,8 +307,8 @@ fn ordinary_intervals_on_every_path() {
     }
 }
 
-/// Arguments of the elementary functions from the ranges where they are computed in different ways, and at
-/// the borders of these.
+/// Arguments of the elementary functions from the ranges where they are computed in different ways,
+/// and at the borders of these.
 fn argument(source: &mut Source) -> f64 {
     let x = match source.below(10) {
         0 => source.between(0.0, 1.0),

@@ -52,6 +52,10 @@ pub trait Arithmetic {
     fn sqrt(a: &Self::Value) -> Self::Value;
     /// [`Interval::abs`]
     fn abs(a: &Self::Value) -> Self::Value;
+    /// [`Interval::sign`]
+    fn sign(a: &Self::Value) -> Self::Value;
+    /// [`Interval::powi`]
+    fn powi(a: &Self::Value, n: i32) -> Self::Value;
     /// [`Interval::min`]
     fn min(a: &Self::Value, b: &Self::Value) -> Self::Value;
     /// [`Interval::max`]
@@ -64,6 +68,12 @@ pub trait Arithmetic {
     fn sin(a: &Self::Value) -> Self::Value;
     /// [`Interval::cos`]
     fn cos(a: &Self::Value) -> Self::Value;
+    /// [`Interval::tan`]
+    fn tan(a: &Self::Value) -> Self::Value;
+    /// [`Interval::atan`]
+    fn atan(a: &Self::Value) -> Self::Value;
+    /// [`Interval::tanh`]
+    fn tanh(a: &Self::Value) -> Self::Value;
     /// [`Interval::intersect`]
     fn intersect(a: &Self::Value, b: &Self::Value) -> Self::Value;
     /// [`Interval::hull`]

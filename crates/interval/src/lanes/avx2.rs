@@ -1,7 +1,7 @@
 //! Four floats in a register of AVX2 with fused multiplication.
 //!
-//! Rounding to nearest everywhere; an error-free transform tells on which side of the true value a result
-//! lies.
+//! Rounding to nearest everywhere; an error-free transform tells on which side of the true value a
+//! result lies.
 #![allow(
     unused_unsafe,
     reason = "the instructions are safe where the whole program is compiled for them"
@@ -11,7 +11,7 @@ use std::arch::x86_64::*;
 
 use super::elementary::{self, Wide};
 use super::vector::Vector;
-use super::{Floats, Interval8};
+use super::{Floats, Interval8, power};
 use crate::round::{SMALL, STEP};
 
 /// Four floats.
@@ -152,23 +152,25 @@ impl Vector for F64x4 {
 
     /// Knuth's TwoSum of the larger operand `p` and the smaller one `q`, for all finite operands.
     ///
-    /// `s` is the nearest float to `p + q`, and the error `e` is exact if nothing overflows (sums below the
-    /// normal range are exact). If `e > 0` the true sum lies strictly between `s` and the next float.
+    /// `s` is the nearest float to `p + q`, and the error `e` is exact if nothing overflows (sums
+    /// below the normal range are exact). If `e > 0` the true sum lies strictly between `s` and the
+    /// next float.
     ///
-    /// *Overflow.* If `s` is infinite, it is either `+inf`, which no step changes, or `-inf`, from which
-    /// comes `-inf` or NaN and so the floor. Let `s` be finite.
-    /// - Same signs: `s` is the one of largest magnitude, `s - p` and `s - (s - p)` lie between 0 and `s`,
-    ///   and the differences from `p` and `q` are smaller.
-    /// - `p >= 0 >= q`, so that `q <= s <= p`. `p - s` is `|q| + e` rounded, which overflows only if
-    ///   `q = f64::MIN` and `e` is at least half the distance of the largest floats, hence positive; then
-    ///   `s - p = -inf`, `p - inf = -inf`, `q + inf = inf`, and their sum is NaN: the step is made for NaN.
-    ///   Otherwise `t = p - s` is finite. `s + t` cannot overflow for `s <= 0`; for `s >= p / 2` the
-    ///   difference `t` is exact (Sterbenz), and `s + t = p`. For `0 < s < p / 2` it could only if `p` were so large that
-    ///   `|q| >= p / 2` had bits of the weight of half of the last bit of `p` and higher only; then `s = p + q` is
-    ///   exact (Sterbenz), `t = -q` too, and `s + t = p`. The last differences are of the size of
-    ///   errors.
+    /// *Overflow.* If `s` is infinite, it is either `+inf`, which no step changes, or `-inf`, from
+    /// which comes `-inf` or NaN and so the floor. Let `s` be finite.
+    /// - Same signs: `s` is the one of largest magnitude, `s - p` and `s - (s - p)` lie between 0
+    ///   and `s`, and the differences from `p` and `q` are smaller.
+    /// - `p >= 0 >= q`, so that `q <= s <= p`. `p - s` is `|q| + e` rounded, which overflows only
+    ///   if `q = f64::MIN` and `e` is at least half the distance of the largest floats, hence
+    ///   positive; then `s - p = -inf`, `p - inf = -inf`, `q + inf = inf`, and their sum is NaN:
+    ///   the step is made for NaN. Otherwise `t = p - s` is finite. `s + t` cannot overflow for
+    ///   `s <= 0`; for `s >= p / 2` the difference `t` is exact (Sterbenz), and `s + t = p`. For
+    ///   `0 < s < p / 2` it could only if `p` were so large that `|q| >= p / 2` had bits of the
+    ///   weight of half of the last bit of `p` and higher only; then `s = p + q` is exact
+    ///   (Sterbenz), `t = -q` too, and `s + t = p`. The last differences are of the size of errors.
     ///
-    /// NaN comes from infinite operands, too: with `s = +inf` the step leaves `s`, and the rest is the floor.
+    /// NaN comes from infinite operands, too: with `s = +inf` the step leaves `s`, and the rest is
+    /// the floor.
     #[inline(always)]
     fn sum_up(self, other: F64x4) -> F64x4 {
         let (p, q) = (self.larger(other), self.smaller(other));
@@ -182,7 +184,8 @@ impl Vector for F64x4 {
         })
     }
 
-    /// `x y - p` is exact if `|p| >= 2^-960`: a multiple of `ulp(x) ulp(y) > 2^-1068` of at most 53 bits.
+    /// `x y - p` is exact if `|p| >= 2^-960`: a multiple of `ulp(x) ulp(y) > 2^-1068` of at most 53
+    /// bits.
     #[inline(always)]
     fn product(self, other: F64x4) -> Nearest {
         simd!({
@@ -208,8 +211,8 @@ impl Vector for F64x4 {
         })
     }
 
-    /// Where the nearest products are equal, the larger error tells whether the larger true product is above.
-    /// Errors of the smaller one count as zero.
+    /// Where the nearest products are equal, the larger error tells whether the larger true product
+    /// is above. Errors of the smaller one count as zero.
     #[inline(always)]
     fn larger_upper(a: Nearest, b: Nearest) -> Nearest {
         let error_a = a.error.kept(b.value.at_most(a.value));
@@ -220,8 +223,8 @@ impl Vector for F64x4 {
         }
     }
 
-    /// The first question finds products that are NaN or small, zero among them; then it is seen whether these come from
-    /// a factor zero.
+    /// The first question finds products that are NaN or small, zero among them; then it is seen
+    /// whether these come from a factor zero.
     ///
     /// Elsewhere the error is exact, or the product overflowed: then `+inf` has the error `-inf` or NaN
     /// and stays, `-inf` gives `-inf` or NaN and so the floor.
@@ -254,11 +257,11 @@ impl Vector for F64x4 {
 
     /// With `r = n - q d`: `n / d - q = r / d` has the sign of `r`.
     ///
-    /// Let `|n|, |q| >= 2^-960`, `n` and `q` finite, `u = ulp(q) ulp(d)`. `|r| <= d ulp(q) / 2 < 2^52 u`, and
-    /// `|n|` is nearly `|q| d >= 2^52 u`, so `n` and `q d` are multiples of `u > |q| d 2^-106 > 2^-1068`: `r`
-    /// is a float, and the fused operation gives it. `q = +inf` has the remainder `-inf` or NaN and stays; `q = -inf`
-    /// gives `-inf` or NaN and so the floor. `n = 0` and `d = inf` give the exact quotient 0 and the
-    /// remainder 0 or NaN.
+    /// Let `|n|, |q| >= 2^-960`, `n` and `q` finite, `u = ulp(q) ulp(d)`.
+    /// `|r| <= d ulp(q) / 2 < 2^52 u`, and `|n|` is nearly `|q| d >= 2^52 u`, so `n` and `q d` are
+    /// multiples of `u > |q| d 2^-106 > 2^-1068`: `r` is a float, and the fused operation gives it.
+    /// `q = +inf` has the remainder `-inf` or NaN and stays; `q = -inf` gives `-inf` or NaN and so
+    /// the floor. `n = 0` and `d = inf` give the exact quotient 0 and the remainder 0 or NaN.
     #[inline(always)]
     fn quotient(self, divisor: F64x4) -> (Nearest, __m256d) {
         let value = F64x4(simd!(_mm256_div_pd(self.0, divisor.0)));
@@ -271,8 +274,8 @@ impl Vector for F64x4 {
         (Nearest { value, error }, open)
     }
 
-    /// With `r = a - s^2`: `sqrt(a) - s` has the sign of `r`, which is a float for `a >= 2^-960`: a multiple of
-    /// `ulp(s)^2 > 2^-1068`, at most `2^53` of them. For `a = inf` it is NaN.
+    /// With `r = a - s^2`: `sqrt(a) - s` has the sign of `r`, which is a float for `a >= 2^-960`: a
+    /// multiple of `ulp(s)^2 > 2^-1068`, at most `2^53` of them. For `a = inf` it is NaN.
     #[inline(always)]
     fn root(self) -> (Nearest, __m256d) {
         let value = F64x4(simd!(_mm256_sqrt_pd(self.0)));
@@ -317,18 +320,42 @@ impl Vector for F64x4 {
     fn cos(a: &Interval8) -> Interval8 {
         elementary::cos::<F64x4>(a)
     }
+
+    #[inline(always)]
+    fn tan(a: &Interval8) -> Interval8 {
+        elementary::tan::<F64x4>(a)
+    }
+
+    #[inline(always)]
+    fn atan(a: &Interval8) -> Interval8 {
+        elementary::atan::<F64x4>(a)
+    }
+
+    #[inline(always)]
+    fn tanh(a: &Interval8) -> Interval8 {
+        elementary::tanh::<F64x4>(a)
+    }
+
+    #[inline(always)]
+    fn powi(a: &Interval8, n: i32) -> Interval8 {
+        match u32::try_from(n) {
+            Ok(n @ 2..=power::MOST) => power::powi::<F64x4>(a, n),
+            _ => a.map(|x| x.powi(n)),
+        }
+    }
 }
 
 impl F64x4 {
     /// The next float above where the mask is set, for normal numbers; `-inf` gives NaN there.
     ///
-    /// Proof. Let `2^k <= |s| < 2^(k+1)`, `u = 2^(k-52)` the distance of the floats in that range, `w = |s| φ` with
-    /// `φ = 2^-53 (1 + 2^-52)`. So `u/2 < w < u (1 + 2^-52)`, and `s + w` is rounded once. For `s > 0` it is
-    /// nearer to `s + u` than to any other float: `s + u <= 2^(k+1)`, and beyond it the floats are not closer. For
-    /// `s < 0` and `|s| >= 2^k + 2u` the number `|s| - w` stays above `2^k` and is nearest to `|s| - u`; for `|s| = 2^k + u`
-    /// it is `2^k + u/2` less a little. For `|s| = 2^k` it is `2^k - u/2 - u 2^-53`, where the
-    /// floats below are `u/2` apart, or `u` for the smallest normal number. Above the largest float the sum
-    /// rounds to infinity, as it shall.
+    /// Proof. Let `2^k <= |s| < 2^(k+1)`, `u = 2^(k-52)` the distance of the floats in that range,
+    /// `w = |s| φ` with `φ = 2^-53 (1 + 2^-52)`. So `u/2 < w < u (1 + 2^-52)`, and `s + w` is
+    /// rounded once. For `s > 0` it is nearer to `s + u` than to any other float:
+    /// `s + u <= 2^(k+1)`, and beyond it the floats are not closer. For `s < 0` and
+    /// `|s| >= 2^k + 2u` the number `|s| - w` stays above `2^k` and is nearest to `|s| - u`; for
+    /// `|s| = 2^k + u` it is `2^k + u/2` less a little. For `|s| = 2^k` it is
+    /// `2^k - u/2 - u 2^-53`, where the floats below are `u/2` apart, or `u` for the smallest
+    /// normal number. Above the largest float the sum rounds to infinity, as it shall.
     #[inline(always)]
     fn raised(self, mask: __m256d) -> F64x4 {
         let size = self.kept(mask).abs();
@@ -350,6 +377,11 @@ impl Wide for F64x4 {
     #[inline(always)]
     fn times(self, other: F64x4) -> F64x4 {
         F64x4(simd!(_mm256_mul_pd(self.0, other.0)))
+    }
+
+    #[inline(always)]
+    fn over(self, other: F64x4) -> F64x4 {
+        F64x4(simd!(_mm256_div_pd(self.0, other.0)))
     }
 
     #[inline(always)]

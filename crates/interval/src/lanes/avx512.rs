@@ -1,7 +1,7 @@
 //! Eight floats in a register of AVX-512, whose instructions round upward by themselves.
 //!
-//! The rounding is part of each instruction; no state of the processor is touched. So every bound is the
-//! tight one, below the normal range and above the largest float, too.
+//! The rounding is part of each instruction; no state of the processor is touched. So every bound
+//! is the tight one, below the normal range and above the largest float, too.
 #![allow(
     unused_unsafe,
     reason = "the instructions are safe where the whole program is compiled for them"
@@ -11,7 +11,7 @@ use std::arch::x86_64::*;
 
 use super::elementary::{self, Wide};
 use super::vector::Vector;
-use super::{Floats, Interval8};
+use super::{Floats, Interval8, power};
 
 const UP: i32 = _MM_FROUND_TO_POS_INF | _MM_FROUND_NO_EXC;
 const DOWN: i32 = _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC;
@@ -210,6 +210,29 @@ impl Vector for F64x8 {
     fn cos(a: &Interval8) -> Interval8 {
         elementary::cos::<F64x8>(a)
     }
+
+    #[inline(always)]
+    fn tan(a: &Interval8) -> Interval8 {
+        elementary::tan::<F64x8>(a)
+    }
+
+    #[inline(always)]
+    fn atan(a: &Interval8) -> Interval8 {
+        elementary::atan::<F64x8>(a)
+    }
+
+    #[inline(always)]
+    fn tanh(a: &Interval8) -> Interval8 {
+        elementary::tanh::<F64x8>(a)
+    }
+
+    #[inline(always)]
+    fn powi(a: &Interval8, n: i32) -> Interval8 {
+        match u32::try_from(n) {
+            Ok(n @ 2..=power::MOST) => power::powi::<F64x8>(a, n),
+            _ => a.map(|x| x.powi(n)),
+        }
+    }
 }
 
 impl Wide for F64x8 {
@@ -226,6 +249,11 @@ impl Wide for F64x8 {
     #[inline(always)]
     fn times(self, other: F64x8) -> F64x8 {
         F64x8(simd!(_mm512_mul_pd(self.0, other.0)))
+    }
+
+    #[inline(always)]
+    fn over(self, other: F64x8) -> F64x8 {
+        F64x8(simd!(_mm512_div_pd(self.0, other.0)))
     }
 
     #[inline(always)]
@@ -290,8 +318,8 @@ impl Wide for F64x8 {
     #[inline(always)]
     fn pairs<const M: usize>(self, table: &[[f64; 2]; M]) -> [F64x8; 2] {
         let first = table.as_ptr().cast::<f64>();
-        // SAFETY: the places are even and below twice the number of pairs, so two floats are in the table from
-        // each on; the instructions are there as for `simd`.
+        // SAFETY: the places are even and below twice the number of pairs, so two floats are in the
+        // table from each on; the instructions are there as for `simd`.
         unsafe {
             let places = _mm512_slli_epi64::<1>(self.places::<M>());
             [
@@ -304,8 +332,8 @@ impl Wide for F64x8 {
     #[inline(always)]
     fn rows<const M: usize>(self, table: &[[f64; 4]; M]) -> [F64x8; 4] {
         let first = table.as_ptr().cast::<f64>();
-        // SAFETY: the places are multiples of four below four times the number of rows, so four floats are in
-        // the table from each on; the instructions are there as for `simd`.
+        // SAFETY: the places are multiples of four below four times the number of rows, so four
+        // floats are in the table from each on; the instructions are there as for `simd`.
         unsafe {
             let places = _mm512_slli_epi64::<2>(self.places::<M>());
             [

@@ -1,21 +1,23 @@
 //! The operations on eight intervals, for every instruction set.
 //!
-//! *Guarantee* of each function: in every lane the bits of the operation of [`Interval`] with its name (the
-//! sign of a zero end aside). Both are the smallest possible intervals, so it is enough that each end is the
-//! tight bound. Lanes where this is not certain are done by the scalar operation itself.
+//! *Guarantee* of each function: in every lane the bits of the operation of [`Interval`] with its
+//! name (the sign of a zero end aside). Both are the smallest possible intervals, so it is enough
+//! that each end is the tight bound. Lanes where this is not certain are done by the scalar
+//! operation itself.
 //!
-//! With ends `[-n, h]` stored as `n` and `h`, every end is rounded up; `-inf` is an end only of the empty
-//! set, so that an end of any other set which became `-inf` is a number below the largest negative float,
-//! and [`Vector::floor`] puts that float there.
+//! With ends `[-n, h]` stored as `n` and `h`, every end is rounded up; `-inf` is an end only of the
+//! empty set, so that an end of any other set which became `-inf` is a number below the largest
+//! negative float, and [`Vector::floor`] puts that float there.
 
 use super::vector::{Ends, Vector};
 use super::{Interval8, LANES};
 use crate::Interval;
 
-/// Every chunk of two arguments by the function `$chunk`; the lanes that it reports are done one by one.
+/// Every chunk of two arguments by the function `$chunk`; the lanes that it reports are done one by
+/// one.
 ///
-/// A macro, because a closure or a function passed as a value is a function without the instruction set:
-/// neither would it be inlined, nor would the instructions be inlined into it.
+/// A macro, because a closure or a function passed as a value is a function without the instruction
+/// set: neither would it be inlined, nor would the instructions be inlined into it.
 macro_rules! chunks {
     ($vector:ident, $a:expr, $b:expr, $chunk:ident, $exact:expr) => {{
         use $crate::lanes::{Interval8, LANES, basic::one_by_one, vector::Ends};
@@ -91,9 +93,9 @@ pub(super) fn sub<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
 /// | `b <= 0`   | `b c`    | `a c`    | `a c`            |   | `b <= 0`   | `a d`    | `b d`    | `a d`            |
 /// | `a < 0 < b`| `b d`    | `a c`    | `b d` or `a c`   |   | `a < 0 < b`| `a d`    | `b c`    | `a d` or `b c`   |
 ///
-/// Where an interval is `[0, 0]` it is in two rows or columns, and each product of that row is zero. Only
-/// where both factors have both signs a second product counts; computed for all lanes it does no harm, since
-/// no product of ends lies outside the result (`0 inf = 0`).
+/// Where an interval is `[0, 0]` it is in two rows or columns, and each product of that row is
+/// zero. Only where both factors have both signs a second product counts; computed for all lanes it
+/// does no harm, since no product of ends lies outside the result (`0 inf = 0`).
 #[inline(always)]
 fn times<V: Vector>(x: Ends<V>, y: Ends<V>) -> (Ends<V>, u32) {
     let zero = V::splat(0.0);
@@ -156,10 +158,10 @@ fn square<V: Vector>(x: Ends<V>, _: Ends<V>) -> (Ends<V>, u32) {
 
 /// The least and the largest absolute value of a set that is not empty.
 ///
-/// Of `-lo` and `hi` the larger one is the largest magnitude; the smaller one is negative where the set has one
-/// sign, and then it is the negated magnitude of the nearer end.
+/// Of `-lo` and `hi` the larger one is the largest magnitude; the smaller one is negative where the
+/// set has one sign, and then it is the negated magnitude of the nearer end.
 #[inline(always)]
-fn magnitudes<V: Vector>(x: Ends<V>) -> (V, V) {
+pub(super) fn magnitudes<V: Vector>(x: Ends<V>) -> (V, V) {
     let near = x.neg_lo.smaller(x.hi).negated().larger(V::splat(0.0));
     (near, x.neg_lo.larger(x.hi))
 }
@@ -171,9 +173,9 @@ pub(super) fn sqr<V: Vector>(a: &Interval8) -> Interval8 {
 
 /// Quotients over `[c, d]`, after both sets are negated where `d <= 0`, so that `d >= 0`.
 ///
-/// For `c >= 0` an end `n` (to be rounded up) is `n / d` if `n <= 0` and else `n / c`, which is `+inf` for `c = 0`,
-/// as it has to be: the quotients are unbounded then. For `c < 0 < d` all numbers are quotients, save
-/// `0 / y = 0`. Over `[0, 0]` there are none.
+/// For `c >= 0` an end `n` (to be rounded up) is `n / d` if `n <= 0` and else `n / c`, which is
+/// `+inf` for `c = 0`, as it has to be: the quotients are unbounded then. For `c < 0 < d` all
+/// numbers are quotients, save `0 / y = 0`. Over `[0, 0]` there are none.
 #[inline(always)]
 fn over<V: Vector>(x: Ends<V>, y: Ends<V>) -> (Ends<V>, u32) {
     let (zero, infinity) = (V::splat(0.0), V::splat(f64::INFINITY));
@@ -240,6 +242,22 @@ fn absolute<V: Vector>(x: Ends<V>, _: Ends<V>) -> (Ends<V>, u32) {
 #[inline(always)]
 pub(super) fn abs<V: Vector>(a: &Interval8) -> Interval8 {
     chunks!(V, a, a, absolute, |a, _| a.abs())
+}
+
+/// `-1` or `1` at each end: the sign of 0 is every number between.
+#[inline(always)]
+fn signs<V: Vector>(x: Ends<V>, _: Ends<V>) -> (Ends<V>, u32) {
+    let (zero, one, minus_one) = (V::splat(0.0), V::splat(1.0), V::splat(-1.0));
+    let sign = Ends {
+        neg_lo: V::select(zero.above(x.neg_lo), minus_one, one),
+        hi: V::select(zero.above(x.hi), minus_one, one),
+    };
+    (sign.empty_where(x.is_empty()), 0)
+}
+
+#[inline(always)]
+pub(super) fn sign<V: Vector>(a: &Interval8) -> Interval8 {
+    chunks!(V, a, a, signs, |a, _| a.sign())
 }
 
 #[inline(always)]

@@ -34,12 +34,26 @@ macro_rules! elementary {
 impl<V: Vector> Arithmetic for Engine<V> {
     type Value = Interval8;
 
-    basic!(sqr, sqrt, abs; add, sub, mul, div, min, max, intersect, hull);
-    elementary!(exp, ln, sin, cos);
+    basic!(sqr, sqrt, abs, sign; add, sub, mul, div, min, max, intersect, hull);
+    elementary!(exp, ln, sin, cos, tan, atan, tanh);
 
     #[inline(always)]
     fn neg(a: &Interval8) -> Interval8 {
         -*a
+    }
+
+    #[inline(always)]
+    fn powi(a: &Interval8, n: i32) -> Interval8 {
+        match n {
+            0 => {
+                let one = Interval8::splat(Interval::ONE);
+                Self::select(Self::is_empty(a), a, &one)
+            }
+            1 => *a,
+            2 => basic::sqr::<V>(a),
+            -1 => basic::div::<V>(&Interval8::splat(Interval::ONE), a),
+            _ => V::powi(a, n),
+        }
     }
 
     #[inline(always)]

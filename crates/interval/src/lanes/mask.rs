@@ -4,7 +4,8 @@ use std::ops::{BitAnd, BitOr, Not};
 
 use super::{Floats, LANES};
 
-/// One truth value for every lane of a [`crate::Value`]: `bool` for one interval, [`Mask`] for eight.
+/// One truth value for every lane of a [`super::Value`]: `bool` for one interval,
+/// [`Mask`] for eight.
 pub trait Lanewise:
     Copy
     + PartialEq

@@ -1,6 +1,6 @@
 //! Eight intervals side by side.
 //!
-//! [`Interval8`] has the operations of [`Interval`], lane by lane, and *exactly* its results: every
+//! [`Interval8`] has the operations of [`crate::Interval`], lane by lane, and *exactly* its results: every
 //! basic operation is tight, and every other one is the scalar operation on each lane. So the bits of
 //! a result depend neither on the machine nor on the neighbours of a lane.
 //!
@@ -25,6 +25,8 @@ mod interval8;
 mod mask;
 mod path;
 mod portable;
+#[cfg(target_arch = "x86_64")]
+mod power;
 mod scalar;
 mod vector;
 

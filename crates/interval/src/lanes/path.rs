@@ -64,8 +64,9 @@ impl Path {
         }
     }
 
-    /// The path that [`Value::run`] takes: the one that the environment variable `VERIBOUND_LANES` named when
-    /// it was first needed, or the widest if there is no such variable or it is [`Path::refused`].
+    /// The path that [`Value::run`] takes: the one that the environment variable `VERIBOUND_LANES`
+    /// named when it was first needed, or the widest if there is no such variable or it is
+    /// [`Path::refused`].
     #[inline]
     pub fn chosen() -> Path {
         Path::choice().path

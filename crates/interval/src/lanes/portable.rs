@@ -1,7 +1,9 @@
-//! Floats side by side on any processor: arrays that the compiler puts into whatever registers there are.
+//! Floats side by side on any processor: arrays that the compiler puts into whatever registers
+//! there are.
 //!
-//! Fused multiplication is used where it belongs to the compilation target; elsewhere Dekker's product gives
-//! the errors, within a range that leaves out the very large and the very small numbers.
+//! Fused multiplication is used where it belongs to the compilation target; elsewhere Dekker's
+//! product gives the errors, within a range that leaves out the very large and the very small
+//! numbers.
 
 use super::Floats;
 use super::vector::Vector;
@@ -197,9 +199,9 @@ impl<const N: usize> Vector for Array<N> {
 
     /// Knuth's TwoSum of the larger operand `p` and the smaller one `q`, for all finite operands.
     ///
-    /// `s` is the nearest float to `p + q`, and the error `e` is exact if nothing overflows (sums below the
-    /// normal range are exact). If `e > 0` the true sum lies strictly between `s` and the next float, and
-    /// `s` is not zero.
+    /// `s` is the nearest float to `p + q`, and the error `e` is exact if nothing overflows (sums
+    /// below the normal range are exact). If `e > 0` the true sum lies strictly between `s` and the
+    /// next float, and `s` is not zero.
     ///
     /// *Overflow.* An infinite `s` is not changed. Let it be finite.
     /// - Same signs: `s` is the one of largest magnitude, `s - p` and `s - (s - p)` lie between 0 and
@@ -251,8 +253,8 @@ impl<const N: usize> Vector for Array<N> {
 
     /// The requirements of [`Lanes::product_error`], which a fused operation needs only below.
     ///
-    /// With it a product that overflows to `+inf` has the error `-inf` or NaN and stays; one that is `-inf`
-    /// stays or gives `f64::MIN`.
+    /// With it a product that overflows to `+inf` has the error `-inf` or NaN and stays; one that
+    /// is `-inf` stays or gives `f64::MIN`.
     #[inline(always)]
     fn proved<const M: usize>(
         mut products: [Nearest<N>; M],
@@ -281,8 +283,8 @@ impl<const N: usize> Vector for Array<N> {
         (products, Self::bits(open))
     }
 
-    /// The remainder `n - q d` has the sign of `n / d - q`; it is exact for ordinary operands and `n = 0`
-    /// (`remainder` in the module `kernel`).
+    /// The remainder `n - q d` has the sign of `n / d - q`; it is exact for ordinary operands and
+    /// `n = 0` (`remainder` in the module `kernel`).
     #[inline(always)]
     fn quotient(self, divisor: Array<N>) -> (Nearest<N>, Bits<N>) {
         let value = self.with(divisor, |n, d| n / d);

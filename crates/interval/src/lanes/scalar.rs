@@ -36,7 +36,7 @@ macro_rules! forward {
 impl Arithmetic for Scalar {
     type Value = Interval;
 
-    forward!(sqr, sqrt, abs, exp, ln, sin, cos; min, max, intersect, hull);
+    forward!(sqr, sqrt, abs, sign, exp, ln, sin, cos, tan, atan, tanh; min, max, intersect, hull);
 
     #[inline(always)]
     fn neg(a: &Interval) -> Interval {
@@ -61,6 +61,11 @@ impl Arithmetic for Scalar {
     #[inline(always)]
     fn div(a: &Interval, b: &Interval) -> Interval {
         *a / *b
+    }
+
+    #[inline(always)]
+    fn powi(a: &Interval, n: i32) -> Interval {
+        a.powi(n)
     }
 
     #[inline(always)]

@@ -45,8 +45,9 @@ pub(super) trait Vector: Copy {
     /// Bit `i` for float `i`.
     fn mask(bits: u32) -> Self::Mask;
 
-    /// What an end that [`Vector::sum_up`] or [`Vector::round_up`] gave is at least: `-inf` in the lanes of the
-    /// mask, elsewhere the largest negative number (or `-inf`, if this is never given for it).
+    /// What an end that [`Vector::sum_up`] or [`Vector::round_up`] gave is at least: `-inf` in the
+    /// lanes of the mask, elsewhere the largest negative number (or `-inf`, if this is never given
+    /// for it).
     fn floor(empty: Self::Mask) -> Self;
     /// `larger` of the floor of a set that is not empty.
     fn or_lowest(self) -> Self;
@@ -95,6 +96,26 @@ pub(super) trait Vector: Copy {
     #[inline(always)]
     fn cos(a: &Interval8) -> Interval8 {
         a.map(Interval::cos)
+    }
+
+    #[inline(always)]
+    fn tan(a: &Interval8) -> Interval8 {
+        a.map(Interval::tan)
+    }
+
+    #[inline(always)]
+    fn atan(a: &Interval8) -> Interval8 {
+        a.map(Interval::atan)
+    }
+
+    #[inline(always)]
+    fn tanh(a: &Interval8) -> Interval8 {
+        a.map(Interval::tanh)
+    }
+
+    #[inline(always)]
+    fn powi(a: &Interval8, n: i32) -> Interval8 {
+        a.map(|x| x.powi(n))
     }
 
     /// Smallest float not below the value; `-inf` or NaN where it is too small for a float.

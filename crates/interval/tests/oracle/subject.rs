@@ -151,12 +151,27 @@ impl Kernel<Interval8> for Eight<'_> {
             "ln" => each!(ln(_)),
             "sin" => each!(sin(_)),
             "cos" => each!(cos(_)),
+            "tan" => each!(tan(_)),
+            "atan" => each!(atan(_)),
+            "tanh" => each!(tanh(_)),
             "add" => each!(add(_, _)),
             "sub" => each!(sub(_, _)),
             "mul" => each!(mul(_, _)),
             "div" => each!(div(_, _)),
             "min" => each!(min(_, _)),
             "max" => each!(max(_, _)),
+            // One degree for all lanes is what there is; here every lane may have its own.
+            "powi" => {
+                for ((result, x), y) in self.out.iter_mut().zip(x).zip(y) {
+                    let degrees = y.lo().map(|degree| degree as i32);
+                    *result = A::powi(x, degrees[0]);
+                    for (lane, &degree) in degrees.iter().enumerate() {
+                        if degree != degrees[0] {
+                            result.set(lane, A::powi(x, degree).get(lane));
+                        }
+                    }
+                }
+            }
             _ => return false,
         }
         true

@@ -8,20 +8,22 @@ use super::wide::{ROUNDER, Wide, nearest, neighbours};
 ///
 /// `x = k L + r` with `L = ln 2 / 128`, `k = 128 e + j`, so `exp x = 2^e T exp r` with `T = 2^(j/128)`.
 ///
-/// *Reduction*, for `|x| <= 709`: `|k| < 2^17`, `|r| <= L (1/2 + 2^-34) < 2^-8.52`. `L = L1 + L2` up to `2^-97`,
-/// where `L1` is a multiple of `2^-44`. `x - k L1` is a float: for `k = 0` it is `x`; for `|k| = 1` Sterbenz's
-/// lemma holds (`|x| >= L1 / 2`, as `k` is right up to a few units of `2^-53`, and `L1` is less than `L` by more);
-/// else `|x| >= 2^-7`, and it is a multiple of `2^-59` below `2^-8`. `k L2` is below `2^-27` and rounded
-/// with an error below `2^-80`. So `r = rh + rl` up to `2^-79`.
+/// *Reduction*, for `|x| <= 709`: `|k| < 2^17`, `|r| <= L (1/2 + 2^-34) < 2^-8.52`. `L = L1 + L2`
+/// up to `2^-97`, where `L1` is a multiple of `2^-44`. `x - k L1` is a float: for `k = 0` it is
+/// `x`; for `|k| = 1` Sterbenz's lemma holds (`|x| >= L1 / 2`, as `k` is right up to a few units of
+/// `2^-53`, and `L1` is less than `L` by more); else `|x| >= 2^-7`, and it is a multiple of `2^-59`
+/// below `2^-8`. `k L2` is below `2^-27` and rounded with an error below `2^-80`. So `r = rh + rl`
+/// up to `2^-79`.
 ///
-/// *Polynomial.* `exp r - 1 = rh + m`, `m = rl + r^2 (1/2 + r/6 + r^2/24 + r^3/120 + r^4/720)` up to the remainder
-/// `r^7 / 5040 · 1.01 < 2^-71.9`. Errors of `m`, in units of `2^-70`: `r` is rounded by `2^-62`, times the
-/// derivative 0.71; `r^2` by `2^-71`, times 1/2, 0.25; the bracket by `2^-53`, times `r^2`, 1.0; the last sum
-/// 0.25; the remainder 0.27. Together less than 2.5.
+/// *Polynomial.* `exp r - 1 = rh + m`, `m = rl + r^2 (1/2 + r/6 + r^2/24 + r^3/120 + r^4/720)` up
+/// to the remainder `r^7 / 5040 · 1.01 < 2^-71.9`. Errors of `m`, in units of `2^-70`: `r` is
+/// rounded by `2^-62`, times the derivative 0.71; `r^2` by `2^-71`, times 1/2, 0.25; the bracket by
+/// `2^-53`, times `r^2`, 1.0; the last sum 0.25; the remainder 0.27. Together less than 2.5.
 ///
-/// *Product* with `T = th + tl`: `h + el = th + th rh` without error (`pl` is the rest of the product). The
-/// rest `el + (pl + (th m + (tl + tl rh)))` has three roundings of numbers below `2^-16`, 1.0 each; left out is
-/// `tl m`, 0.5. With `th < 2` times the errors of `m`, less than 5.0 + 3.5 units, below `2^-66.9`.
+/// *Product* with `T = th + tl`: `h + el = th + th rh` without error (`pl` is the rest of the
+/// product). The rest `el + (pl + (th m + (tl + tl rh)))` has three roundings of numbers below
+/// `2^-16`, 1.0 each; left out is `tl m`, 0.5. The errors of `m`, times
+/// `th < 2`, are 5.0. Together less than 8.5, below `2^-66.9`.
 ///
 /// `h` lies in `[0.99, 2.01]`. Only the exponent is changed then, and the result is normal.
 #[inline(always)]
@@ -87,6 +89,6 @@ pub(super) fn exponentials<V: Wide>(x: Ends<V>, _: Ends<V>) -> (Ends<V>, u32) {
 
 /// The lanes where the mask is not set.
 #[inline(always)]
-pub(super) fn open<V: Vector>(done: V::Mask) -> u32 {
+pub(in super::super) fn open<V: Vector>(done: V::Mask) -> u32 {
     V::bits(done) ^ ((1 << V::WIDTH) - 1)
 }

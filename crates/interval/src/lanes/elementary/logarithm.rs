@@ -8,22 +8,24 @@ use super::wide::{Wide, nearest, neighbours};
 /// The float nearest to `ln x`, and where this is certain; not at 1.
 ///
 /// `x = 2^e z` with `z` in `[0.6875, 1.375)`, and with the reciprocal `c` of the piece of `z`:
-/// `ln x = e ln 2 - ln c + ln(1 + r)`, `r = z c - 1`. The product is `p + pl` without error, `rh = p - 1` is exact
-/// (Sterbenz). `|r| < 2^-7.4`, or `c = 1`, `|r| <= 2^-7`, `pl = 0`.
+/// `ln x = e ln 2 - ln c + ln(1 + r)`, `r = z c - 1`. The product is `p + pl` without error,
+/// `rh = p - 1` is exact (Sterbenz). `|r| < 2^-7.4`, or `c = 1`, `|r| <= 2^-7`, `pl = 0`.
 ///
-/// *Parts.* `A = e LN2H + LCH` is exact: a multiple of `2^-42` below `2^10`. `B = e LN2L + LCL` is below `2^-32`
-/// and errs by less than `2^-84`, its constants included. `ln(1 + r)` is
+/// *Parts.* `A = e LN2H + LCH` is exact: a multiple of `2^-42` below `2^10`. `B = e LN2L + LCL` is
+/// below `2^-32` and errs by less than `2^-84`, its constants included. `ln(1 + r)` is
 /// `rh - hh/2 - hl/2 + rh^3 P(rh) + pl (1 - rh + rh^2)`, where `hh + hl = rh^2` without error and
 /// `P = 1/3 - rh/4 + ... - rh^7/10`, up to the remainder `rh^11 / 11 · 1.01 < 2^-80` and
 /// `pl rh^3 + pl^2 < 2^-75`.
 ///
-/// *Sum.* `A + rh` and then `- hh/2` are added without error (Fast2Sum: `A = 0`, or `|A| > 1.7 |r|` as a test of
-/// the tables shows for `e = 0`, and else `|A| > 0.3`; the first sum is more than `hh / 2`). All the rest is below
-/// `2^-23` and has an error below `2^-75.5`: three sums, the power and `P` err by `2^-77` each at most. So:
-/// - For `A != 0` the error is less than `2^-74.2`, and `|ln x| > 0.7 · 2^-7.4 > 2^-8`: relative, below
-///   `2^-66`.
-/// - For `A = 0` (`c = 1`, `e = 0`, `B = pl = 0`), with `ρ = |rh| <= 2^-7` the errors of `rh^3 P`, of its two sums
-///   and the remainder are below `ρ^3 2^-52 + ρ^11 / 10`: relative, below `2^-65.5`.
+/// *Sum.* `A + rh` and then `- hh/2` are added without error (Fast2Sum: `A = 0`, or `|A| > 1.7 |r|`
+/// as a test of the tables shows for `e = 0`, and else `|A| > 0.3`; the first sum is more than
+/// `hh / 2`). All the rest is below `2^-23.5`. In units of `2^-77` its errors are: the power 2.3,
+/// `P` 1.8, the two sums 1.0 each, what is left out of the series 3.8. So:
+/// - For `A != 0` the error is less than `2^-73.6`, and `|ln x| > 2^-8`, since `x` is not in the
+///   pieces at 1: relative, below `2^-65.5`.
+/// - For `A = 0` (`c = 1`, `e = 0`, `B = pl = 0`), with `ρ = |rh| <= 2^-7` the errors of `rh^3 P`,
+///   of its two sums and the remainder are below `ρ^3 2^-52 + ρ^11 / 10`: relative, below
+///   `2^-65.5`.
 #[inline(always)]
 fn ln_nearest<V: Wide>(x: V) -> (V, V::Mask) {
     const ERROR: f64 = f64::from_bits((1023 - 65) << 52);

@@ -1,14 +1,15 @@
-//! Tables of elementary functions, computed by the compiler in fixed point with 126 bits after the point.
+//! Tables of elementary functions, computed by the compiler in fixed point with 126 bits after the
+//! point.
 //!
 //! An entry is a pair of floats: the nearest one, and the nearest one to the rest. Each is within
 //! `2^-105` of its true value, and within `2^-53` of its nearest float; the tests below prove it with
 //! big integers.
 
 /// A number of units `2^-126`, below 4.
-type Fixed = u128;
+pub(super) type Fixed = u128;
 
-const POINT: u32 = 126;
-const ONE: Fixed = 1 << POINT;
+pub(super) const POINT: u32 = 126;
+pub(super) const ONE: Fixed = 1 << POINT;
 const UNIT: f64 = f64::from_bits((1023 - POINT as u64) << 52);
 
 /// `2^(1/128)`, `ln 2`, `π/128` and its cosine and sine.
@@ -19,7 +20,7 @@ const COS_OF_ANGLE: Fixed = 0x3ffb_10c1_099a_1976_5595_d548_d9a5_85cd;
 const SIN_OF_ANGLE: Fixed = 0x0192_155f_7a36_67df_938a_73db_97fb_419e;
 
 /// The product, less than one unit too small.
-const fn times(a: Fixed, b: Fixed) -> Fixed {
+pub(super) const fn times(a: Fixed, b: Fixed) -> Fixed {
     const LOW: u128 = u64::MAX as u128;
     let (a1, a0, b1, b0) = (a >> 64, a & LOW, b >> 64, b & LOW);
     let (low, first, second) = (a0 * b0, a0 * b1, a1 * b0);
@@ -29,7 +30,7 @@ const fn times(a: Fixed, b: Fixed) -> Fixed {
 }
 
 /// The nearest float, and the nearest one to the rest.
-const fn pair(x: Fixed) -> Pair {
+pub(super) const fn pair(x: Fixed) -> Pair {
     let high = x as f64;
     let rest = x.wrapping_sub(high as u128) as i128;
     [high * UNIT, rest as f64 * UNIT]
@@ -95,7 +96,8 @@ pub(super) const FIRST: u64 = 0x3fe6_0000_0000_0000;
 /// Bits of the length of a piece.
 pub(super) const WIDTH: u32 = 45;
 
-/// A float near the reciprocal of the numbers of a piece, a multiple of `2^-9`; 1 for the two pieces at 1.
+/// A float near the reciprocal of the numbers of a piece, a multiple of `2^-9`; 1 for the two
+/// pieces at 1.
 const fn reciprocal_in_512ths(piece: usize) -> u32 {
     let start = FIRST + ((piece as u64) << WIDTH);
     let (first, last) = (f64::from_bits(start), f64::from_bits(start + (1 << WIDTH)));
@@ -106,7 +108,8 @@ const fn reciprocal_in_512ths(piece: usize) -> u32 {
     }
 }
 
-/// For each piece the reciprocal, and minus its logarithm in two parts, the first a multiple of `2^-42`.
+/// For each piece the reciprocal, and minus its logarithm in two parts, the first a multiple of
+/// `2^-42`.
 pub(super) static PIECES: [[f64; 4]; 128] = {
     let (mut table, mut i) = ([[0.0; 4]; 128], 0);
     while i < 128 {
@@ -146,17 +149,15 @@ pub(super) const PI_OVER_128: (f64, f64, f64) = {
     (first as f64 * UNIT, second, third)
 };
 
+/// Numbers in units of `2^-400`, for the tests of tables.
 #[cfg(test)]
-mod tests {
+pub(super) mod exact {
     use num_bigint::BigInt;
     use num_traits::{One, Signed, Zero};
 
-    use super::*;
+    pub(in super::super) const BITS: u32 = 400;
 
-    /// Units `2^-400`.
-    const BITS: u32 = 400;
-
-    fn of(x: f64) -> BigInt {
+    pub(in super::super) fn of(x: f64) -> BigInt {
         let bits = x.to_bits();
         let biased = (bits >> 52 & 0x7ff) as i64;
         if biased == 0 {
@@ -168,20 +169,20 @@ mod tests {
         if x < 0.0 { -shifted } else { shifted }
     }
 
-    fn sum(parts: &[f64]) -> BigInt {
+    pub(in super::super) fn sum(parts: &[f64]) -> BigInt {
         parts.iter().map(|&x| of(x)).sum()
     }
 
-    fn unit(exponent: i64) -> BigInt {
+    pub(in super::super) fn unit(exponent: i64) -> BigInt {
         BigInt::one() << (i64::from(BITS) + exponent) as u64
     }
 
-    fn assert_near(a: &BigInt, b: &BigInt, exponent: i64) {
+    pub(in super::super) fn assert_near(a: &BigInt, b: &BigInt, exponent: i64) {
         assert!((a - b).abs() <= unit(exponent), "{a} {b} 2^{exponent}");
     }
 
     /// `sum of sign^k z^(2k+1) / (2k+1)` for `z = 1/n` or any `z` in units.
-    fn series(z: &BigInt, sign: i32) -> BigInt {
+    pub(in super::super) fn series(z: &BigInt, sign: i32) -> BigInt {
         let square = (z * z) >> BITS;
         let (mut power, mut sum, mut k) = (z.clone(), z.clone(), 1);
         while !power.is_zero() {
@@ -195,17 +196,26 @@ mod tests {
         sum
     }
 
-    fn inverse(n: u32) -> BigInt {
+    pub(in super::super) fn inverse(n: u32) -> BigInt {
         unit(0) / n
     }
 
-    fn pi() -> BigInt {
+    pub(in super::super) fn pi() -> BigInt {
         (series(&inverse(5), -1) * 4 - series(&inverse(239), -1)) * 4
     }
 
-    fn ln_2() -> BigInt {
+    pub(in super::super) fn ln_2() -> BigInt {
         series(&inverse(3), 1) * 2
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use num_bigint::BigInt;
+    use num_traits::{One, Signed, Zero};
+
+    use super::exact::{BITS, assert_near, ln_2, of, pi, series, sum, unit};
+    use super::*;
 
     #[test]
     fn parts_of_constants() {

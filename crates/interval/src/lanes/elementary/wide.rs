@@ -8,6 +8,7 @@ pub(in super::super) trait Wide: Vector {
     fn plus(self, other: Self) -> Self;
     fn minus(self, other: Self) -> Self;
     fn times(self, other: Self) -> Self;
+    fn over(self, other: Self) -> Self;
     /// `self a + b`, rounded once.
     fn times_plus(self, a: Self, b: Self) -> Self;
     /// `self a - b`, rounded once.
@@ -25,11 +26,19 @@ pub(in super::super) trait Wide: Vector {
     fn bits_left<const N: u32>(self) -> Self;
     /// The bits moved to lower places, zeros behind them.
     fn bits_right<const N: u32>(self) -> Self;
-    /// The columns of the rows whose numbers the lowest bits tell, as many bits as the table has. Required: the
-    /// number of rows is a power of two.
+    /// The columns of the rows whose numbers the lowest bits tell, as many bits as the table has.
+    /// Required: the number of rows is a power of two.
     fn pairs<const M: usize>(self, table: &[[f64; 2]; M]) -> [Self; 2];
     /// The same of four columns.
     fn rows<const M: usize>(self, table: &[[f64; 4]; M]) -> [Self; 4];
+
+    /// The next float above where the mask is set, for normal numbers; see `raised` of the basic
+    /// operations.
+    #[inline(always)]
+    fn raised_where(self, mask: Self::Mask) -> Self {
+        let above = self.abs().times_plus(Self::splat(STEP), self);
+        Self::select(mask, above, self)
+    }
 
     #[inline(always)]
     fn of_bits(bits: u64) -> Self {
@@ -37,12 +46,13 @@ pub(in super::super) trait Wide: Vector {
     }
 }
 
-/// The sum `s + low` of a float and a smaller one as a nearest float, if this is certain for all numbers within
-/// `error` of the sum; and where it is not.
+/// The sum `s + low` of a float and a smaller one as a nearest float, if this is certain for all
+/// numbers within `error` of the sum; and where it is not.
 ///
-/// Proof. `value` is the rounded sum and `rest` the exact rest of it (Fast2Sum, `|low| <= |s|`). Rounding is
-/// monotone: where the two sums with `rest` moved by the error are rounded to `value`, all numbers
-/// between them are. The errors of the moved rests themselves, below `2^-105 |value|`, have to be part of `error`.
+/// Proof. `value` is the rounded sum and `rest` the exact rest of it (Fast2Sum, `|low| <= |s|`).
+/// Rounding is monotone: where the two sums with `rest` moved by the error are rounded to `value`,
+/// all numbers between them are. The errors of the moved rests themselves, below `2^-105 |value|`,
+/// have to be part of `error`.
 #[inline(always)]
 pub(super) fn nearest<V: Wide>(s: V, low: V, error: V) -> (V, V::Mask) {
     let value = s.plus(low);
@@ -52,13 +62,14 @@ pub(super) fn nearest<V: Wide>(s: V, low: V, error: V) -> (V, V::Mask) {
     (value, V::both(below, above))
 }
 
-/// The next floats below and above, for normal numbers that are not the least; see `raised` of the basic
-/// operations for the proof.
+/// The next floats below and above, for normal numbers that are not the least; see `raised` of the
+/// basic operations for the proof.
 #[inline(always)]
 pub(super) fn neighbours<V: Wide>(x: V) -> (V, V) {
     let (size, step) = (x.abs(), V::splat(STEP));
     (size.times_from(step, x), size.times_plus(step, x))
 }
 
-/// Adding this number to a float below `2^51` rounds it to an integer, which then stands in the lowest bits.
+/// Adding this number to a float below `2^51` rounds it to an integer, which then stands in the
+/// lowest bits.
 pub(super) const ROUNDER: f64 = 6_755_399_441_055_744.0;
