@@ -742,11 +742,11 @@ impl Unary {
             Unary::Ln => A::ln(a),
             Unary::Sin => A::sin(a),
             Unary::Cos => A::cos(a),
-            Unary::Tan => A::map(a, Interval::tan),
-            Unary::Atan => A::map(a, Interval::atan),
-            Unary::Tanh => A::map(a, Interval::tanh),
+            Unary::Tan => A::tan(a),
+            Unary::Atan => A::atan(a),
+            Unary::Tanh => A::tanh(a),
             Unary::Abs => A::abs(a),
-            Unary::Sign => A::map(a, Interval::sign),
+            Unary::Sign => A::sign(a),
         }
     }
 }

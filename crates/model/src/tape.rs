@@ -12,20 +12,7 @@
 use crate::graph::{Binary, ExprId, Graph, Node, Unary, Var};
 use std::collections::HashMap;
 use veribound_interval::lanes::{Arithmetic, Kernel, Lanewise, MaskOf, Value};
-use veribound_interval::{Interval, rational_to_interval};
-
-/// How regular an expression is on a whole box; later is better.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Regularity {
-    /// Not defined somewhere on the box: a division by zero, the root of a negative number.
-    Undefined,
-    /// Defined, but may jump.
-    Jump,
-    /// Continuous, but may have a kink.
-    Kink,
-    /// Infinitely often differentiable.
-    Smooth,
-}
+use veribound_interval::{Interval, Regularity, domain, rational_to_interval};
 
 /// How regular an expression is on a whole box: one truth value, or one for each of several boxes.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -418,7 +405,7 @@ impl<V: Value> Kernel<V> for Evaluate<'_, V> {
                     if n < 0 {
                         regular = regular.and(Regular::undefined(A::contains_zero(a)));
                     }
-                    A::map(a, |a| a.powi(n))
+                    A::powi(a, n)
                 }
             };
             registers[step.out as usize] = value;
@@ -475,34 +462,20 @@ impl<V: Value> Kernel<V> for PropagateBack<'_, V> {
 
 #[inline(always)]
 fn unary_regularity<A: Arithmetic>(function: Unary, a: &A::Value) -> Regular<MaskOf<A>> {
-    match function {
+    let of: fn(Interval) -> Regularity = match function {
         Unary::Neg | Unary::Exp | Unary::Sin | Unary::Cos | Unary::Atan | Unary::Tanh => {
-            Regular::smooth()
+            return Regular::smooth();
         }
         Unary::Sqrt | Unary::Ln | Unary::Abs | Unary::Sign if A::is_positive(a).all() => {
-            Regular::smooth()
+            return Regular::smooth();
         }
-        _ => Regular::by_lane(|wanted| A::test(a, |a| regularity_at(function, a) == wanted)),
-    }
-}
-
-fn regularity_at(function: Unary, a: Interval) -> Regularity {
-    let ok = |defined: bool| {
-        if defined {
-            Regularity::Smooth
-        } else {
-            Regularity::Undefined
-        }
+        Unary::Sqrt => domain::sqrt,
+        Unary::Ln => domain::ln,
+        Unary::Tan => domain::tan,
+        Unary::Abs => domain::abs,
+        Unary::Sign => domain::sign,
     };
-    match function {
-        Unary::Neg | Unary::Exp | Unary::Sin | Unary::Cos | Unary::Atan | Unary::Tanh => ok(true),
-        Unary::Sqrt if a.lo() == 0.0 => Regularity::Kink,
-        Unary::Sqrt | Unary::Ln => ok(a.lo() > 0.0),
-        Unary::Tan => ok(a.tan().is_bounded()),
-        Unary::Abs if a.lo() < 0.0 && a.hi() > 0.0 => Regularity::Kink,
-        Unary::Sign if a.lo() <= 0.0 && a.hi() >= 0.0 => Regularity::Jump,
-        Unary::Abs | Unary::Sign => ok(true),
-    }
+    Regular::by_lane(|wanted| A::test(a, |a| of(a) == wanted))
 }
 
 #[inline(always)]
@@ -511,13 +484,13 @@ fn binary_regularity<A: Arithmetic>(
     a: &A::Value,
     b: &A::Value,
 ) -> Regular<MaskOf<A>> {
-    match function {
-        Binary::Add | Binary::Sub | Binary::Mul => Regular::smooth(),
-        Binary::Div => Regular::undefined(A::contains_zero(b)),
-        Binary::Min | Binary::Max => {
-            Regular::kink(A::test2(a, b, |a, b| a.lo() < b.hi() && b.lo() < a.hi()))
-        }
-    }
+    let of: fn(Interval, Interval) -> Regularity = match function {
+        Binary::Add | Binary::Sub | Binary::Mul => return Regular::smooth(),
+        Binary::Div => return Regular::undefined(A::contains_zero(b)),
+        Binary::Min => domain::min,
+        Binary::Max => domain::max,
+    };
+    Regular::by_lane(|wanted| A::test2(a, b, |a, b| of(a, b) == wanted))
 }
 
 #[inline(always)]

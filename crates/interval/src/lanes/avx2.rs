@@ -11,7 +11,7 @@ use std::arch::x86_64::*;
 
 use super::elementary::{self, Wide};
 use super::vector::Vector;
-use super::{Floats, Interval8, power};
+use super::{Floats, Interval8, basic, power};
 use crate::round::{SMALL, STEP};
 
 /// Four floats.
@@ -301,48 +301,24 @@ impl Vector for F64x4 {
         value.value.raised(above)
     }
 
-    #[inline(always)]
-    fn exp(a: &Interval8) -> Interval8 {
-        elementary::exp::<F64x4>(a)
-    }
-
-    #[inline(always)]
-    fn ln(a: &Interval8) -> Interval8 {
-        elementary::ln::<F64x4>(a)
-    }
-
-    #[inline(always)]
-    fn sin(a: &Interval8) -> Interval8 {
-        elementary::sin::<F64x4>(a)
-    }
-
-    #[inline(always)]
-    fn cos(a: &Interval8) -> Interval8 {
-        elementary::cos::<F64x4>(a)
-    }
-
-    #[inline(always)]
-    fn tan(a: &Interval8) -> Interval8 {
-        elementary::tan::<F64x4>(a)
-    }
-
-    #[inline(always)]
-    fn atan(a: &Interval8) -> Interval8 {
-        elementary::atan::<F64x4>(a)
-    }
-
-    #[inline(always)]
-    fn tanh(a: &Interval8) -> Interval8 {
-        elementary::tanh::<F64x4>(a)
-    }
-
-    #[inline(always)]
-    fn powi(a: &Interval8, n: i32) -> Interval8 {
-        match u32::try_from(n) {
-            Ok(n @ 2..=power::MOST) => power::powi::<F64x4>(a, n),
-            _ => a.map(|x| x.powi(n)),
+    outlined! {
+            #[target_feature(enable = "avx2,fma")]
+            mul(a: &Interval8, b: &Interval8) = basic::mul::<F64x4>(a, b);
+            div(a: &Interval8, b: &Interval8) = basic::div::<F64x4>(a, b);
+            sqr(a: &Interval8) = basic::sqr::<F64x4>(a);
+            sqrt(a: &Interval8) = basic::sqrt::<F64x4>(a);
+            exp(a: &Interval8) = elementary::exp::<F64x4>(a);
+            ln(a: &Interval8) = elementary::ln::<F64x4>(a);
+            sin(a: &Interval8) = elementary::sin::<F64x4>(a);
+            cos(a: &Interval8) = elementary::cos::<F64x4>(a);
+            tan(a: &Interval8) = elementary::tan::<F64x4>(a);
+            atan(a: &Interval8) = elementary::atan::<F64x4>(a);
+            tanh(a: &Interval8) = elementary::tanh::<F64x4>(a);
+            powi(a: &Interval8, n: i32) = match u32::try_from(n) {
+        Ok(n @ 2..=power::MOST) => power::powi::<F64x4>(a, n),
+        _ => a.map(|x| x.powi(n)),
+    };
         }
-    }
 }
 
 impl F64x4 {

@@ -191,48 +191,20 @@ impl Vector for F64x8 {
         value
     }
 
-    #[inline(always)]
-    fn exp(a: &Interval8) -> Interval8 {
-        elementary::exp::<F64x8>(a)
-    }
-
-    #[inline(always)]
-    fn ln(a: &Interval8) -> Interval8 {
-        elementary::ln::<F64x8>(a)
-    }
-
-    #[inline(always)]
-    fn sin(a: &Interval8) -> Interval8 {
-        elementary::sin::<F64x8>(a)
-    }
-
-    #[inline(always)]
-    fn cos(a: &Interval8) -> Interval8 {
-        elementary::cos::<F64x8>(a)
-    }
-
-    #[inline(always)]
-    fn tan(a: &Interval8) -> Interval8 {
-        elementary::tan::<F64x8>(a)
-    }
-
-    #[inline(always)]
-    fn atan(a: &Interval8) -> Interval8 {
-        elementary::atan::<F64x8>(a)
-    }
-
-    #[inline(always)]
-    fn tanh(a: &Interval8) -> Interval8 {
-        elementary::tanh::<F64x8>(a)
-    }
-
-    #[inline(always)]
-    fn powi(a: &Interval8, n: i32) -> Interval8 {
-        match u32::try_from(n) {
-            Ok(n @ 2..=power::MOST) => power::powi::<F64x8>(a, n),
-            _ => a.map(|x| x.powi(n)),
+    outlined! {
+            #[target_feature(enable = "avx512f,avx512dq,avx512vl")]
+            exp(a: &Interval8) = elementary::exp::<F64x8>(a);
+            ln(a: &Interval8) = elementary::ln::<F64x8>(a);
+            sin(a: &Interval8) = elementary::sin::<F64x8>(a);
+            cos(a: &Interval8) = elementary::cos::<F64x8>(a);
+            tan(a: &Interval8) = elementary::tan::<F64x8>(a);
+            atan(a: &Interval8) = elementary::atan::<F64x8>(a);
+            tanh(a: &Interval8) = elementary::tanh::<F64x8>(a);
+            powi(a: &Interval8, n: i32) = match u32::try_from(n) {
+        Ok(n @ 2..=power::MOST) => power::powi::<F64x8>(a, n),
+        _ => a.map(|x| x.powi(n)),
+    };
         }
-    }
 }
 
 impl Wide for F64x8 {

@@ -22,11 +22,15 @@ macro_rules! basic {
     };
 }
 
-macro_rules! elementary {
-    ($($name:ident),+) => {
+macro_rules! long {
+    ($($name:ident),+; $($name2:ident),+) => {
         $(#[inline(always)]
         fn $name(a: &Interval8) -> Interval8 {
             V::$name(a)
+        })+
+        $(#[inline(always)]
+        fn $name2(a: &Interval8, b: &Interval8) -> Interval8 {
+            V::$name2(a, b)
         })+
     };
 }
@@ -34,8 +38,8 @@ macro_rules! elementary {
 impl<V: Vector> Arithmetic for Engine<V> {
     type Value = Interval8;
 
-    basic!(sqr, sqrt, abs, sign; add, sub, mul, div, min, max, intersect, hull);
-    elementary!(exp, ln, sin, cos, tan, atan, tanh);
+    basic!(abs, sign; add, sub, min, max, intersect, hull);
+    long!(sqr, sqrt, exp, ln, sin, cos, tan, atan, tanh; mul, div);
 
     #[inline(always)]
     fn neg(a: &Interval8) -> Interval8 {
@@ -50,8 +54,8 @@ impl<V: Vector> Arithmetic for Engine<V> {
                 Self::select(Self::is_empty(a), a, &one)
             }
             1 => *a,
-            2 => basic::sqr::<V>(a),
-            -1 => basic::div::<V>(&Interval8::splat(Interval::ONE), a),
+            2 => V::sqr(a),
+            -1 => V::div(&Interval8::splat(Interval::ONE), a),
             _ => V::powi(a, n),
         }
     }

@@ -12,6 +12,27 @@
     reason = "PROOF: every array has LANES elements, and lanes are counted below LANES"
 )]
 
+/// Functions of their own for a path, instead of a copy in every kernel that calls them.
+#[cfg(target_arch = "x86_64")]
+macro_rules! outlined {
+    (
+        #[$features:meta]
+        $($name:ident($($argument:ident: $of:ty),+) = $body:expr;)+
+    ) => {
+        $(#[inline(always)]
+        fn $name($($argument: $of),+) -> Interval8 {
+            #[$features]
+            #[inline(never)]
+            fn outlined($($argument: $of),+) -> Interval8 {
+                $body
+            }
+            // SAFETY: only a kernel that was started after the processor was found to have the
+            // instructions comes here.
+            unsafe { outlined($($argument),+) }
+        })+
+    };
+}
+
 mod arithmetic;
 #[cfg(target_arch = "x86_64")]
 mod avx2;

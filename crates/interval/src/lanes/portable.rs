@@ -5,8 +5,8 @@
 //! product gives the errors, within a range that leaves out the very large and the very small
 //! numbers.
 
-use super::Floats;
 use super::vector::Vector;
+use super::{Floats, Interval8, basic};
 use crate::round::{LEAST, Lanes, MOST, SMALL};
 
 /// True where products have exact errors by a fused operation and so without an upper limit.
@@ -94,6 +94,26 @@ impl<const N: usize> Vector for Array<N> {
     type Mask = Bits<N>;
     type Upper = Nearest<N>;
     const WIDTH: usize = N;
+
+    #[inline(never)]
+    fn mul(a: &Interval8, b: &Interval8) -> Interval8 {
+        basic::mul::<Self>(a, b)
+    }
+
+    #[inline(never)]
+    fn div(a: &Interval8, b: &Interval8) -> Interval8 {
+        basic::div::<Self>(a, b)
+    }
+
+    #[inline(never)]
+    fn sqr(a: &Interval8) -> Interval8 {
+        basic::sqr::<Self>(a)
+    }
+
+    #[inline(never)]
+    fn sqrt(a: &Interval8) -> Interval8 {
+        basic::sqrt::<Self>(a)
+    }
 
     #[inline(always)]
     fn load(from: &Floats, chunk: usize) -> Array<N> {

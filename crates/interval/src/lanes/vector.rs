@@ -1,6 +1,6 @@
 //! What the operations on lanes need from an instruction set.
 
-use super::{Floats, Interval8};
+use super::{Floats, Interval8, basic};
 use crate::Interval;
 
 /// Some floats side by side, in a register of the instruction set.
@@ -77,7 +77,28 @@ pub(super) trait Vector: Copy {
     fn root(self) -> (Self::Upper, Self::Mask);
     /// The negated square root.
     fn negated_root(self) -> (Self::Upper, Self::Mask);
-    /// The elementary functions of [`Interval`].
+    /// The longer operations of [`Interval`]: here a path says which of them are functions of their
+    /// own, because repeated in every kernel they would fill the caches, and hours of compiling.
+    #[inline(always)]
+    fn mul(a: &Interval8, b: &Interval8) -> Interval8 {
+        basic::mul::<Self>(a, b)
+    }
+
+    #[inline(always)]
+    fn div(a: &Interval8, b: &Interval8) -> Interval8 {
+        basic::div::<Self>(a, b)
+    }
+
+    #[inline(always)]
+    fn sqr(a: &Interval8) -> Interval8 {
+        basic::sqr::<Self>(a)
+    }
+
+    #[inline(always)]
+    fn sqrt(a: &Interval8) -> Interval8 {
+        basic::sqrt::<Self>(a)
+    }
+
     #[inline(always)]
     fn exp(a: &Interval8) -> Interval8 {
         a.map(Interval::exp)
