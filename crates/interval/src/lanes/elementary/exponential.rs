@@ -4,7 +4,7 @@ use super::super::vector::{Ends, Vector};
 use super::tables::{LN_2_OVER_128, POWERS};
 use super::wide::{ROUNDER, Wide, nearest, neighbours};
 
-/// The float nearest to `exp x`, and where this is certain.
+/// `exp x` as `2^e (h + low)`, and `e` in the exponent field, without bias.
 ///
 /// `x = k L + r` with `L = ln 2 / 128`, `k = 128 e + j`, so `exp x = 2^e T exp r` with `T = 2^(j/128)`.
 ///
@@ -25,11 +25,9 @@ use super::wide::{ROUNDER, Wide, nearest, neighbours};
 /// `2^-16`, 1.0 each; left out is `tl m`, 0.5. The errors of `m`, times
 /// `th < 2`, are 5.0. Together less than 8.5, below `2^-66.9`.
 ///
-/// `h` lies in `[0.99, 2.01]`. Only the exponent is changed then, and the result is normal.
+/// `h` lies in `[0.99, 2.01]`.
 #[inline(always)]
-fn exp_nearest<V: Wide>(x: V) -> (V, V::Mask) {
-    const ERROR: f64 = f64::from_bits((1023 - 66) << 52);
-    let within = V::both(x.at_most(V::splat(709.0)), V::splat(-708.0).at_most(x));
+pub(super) fn exp_parts<V: Wide>(x: V) -> (V, V, V) {
     let (l1, l2) = LN_2_OVER_128;
     let rounder = V::splat(ROUNDER);
     let number = x.times_plus(V::splat(128.0 * std::f64::consts::LOG2_E), rounder);
@@ -50,9 +48,17 @@ fn exp_nearest<V: Wide>(x: V) -> (V, V::Mask) {
     let h = th.plus(product);
     let el = th.minus(h).plus(product);
     let low = el.plus(rest.plus(th.times_plus(m, tl.times_plus(rh, tl))));
-    let (value, certain) = nearest(h, low, V::splat(ERROR));
+    (h, low, number.bits_right::<7>().bits_left::<52>())
+}
 
-    let exponent = number.bits_right::<7>().bits_left::<52>();
+/// The float nearest to `exp x`, and where this is certain. Only the exponent is changed after the
+/// rounding, and the result is normal.
+#[inline(always)]
+fn exp_nearest<V: Wide>(x: V) -> (V, V::Mask) {
+    const ERROR: f64 = f64::from_bits((1023 - 66) << 52);
+    let within = V::both(x.at_most(V::splat(709.0)), V::splat(-708.0).at_most(x));
+    let (h, low, exponent) = exp_parts(x);
+    let (value, certain) = nearest(h, low, V::splat(ERROR));
     (value.bits_plus(exponent), V::both(certain, within))
 }
 

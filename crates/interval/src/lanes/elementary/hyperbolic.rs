@@ -2,8 +2,9 @@
 
 use super::super::vector::Ends;
 use super::arctangent::{between, with_sign};
+use super::exponential::exp_parts;
 use super::tables::{Fixed, ONE, pair, times};
-use super::wide::{ROUNDER, Wide, nearest};
+use super::wide::{ROUNDER, Wide, fast_sum, nearest};
 
 /// `tanh(1 / 64)` in units of `2^-126`.
 const STEP: Fixed = 0x00ff_faaa_cccb_efc4_9508_942b_ac21_fe07;
@@ -35,36 +36,30 @@ const fn over(a: Fixed, b: Fixed) -> Fixed {
     quotient
 }
 
-/// The float nearest to `tanh x`, and where this is certain.
+/// The float nearest to `tanh a` for `0 <= a <= 3.98`, and where this is certain.
 ///
-/// For `a = |x| >= 20` the value lies within `2 exp(-40) < 2^-56` of 1, which so is the nearest
-/// float. Numbers between 3.98 and 20 are left out. Else with `c = j / 64` next to `a`, `r = a - c`
-/// (exact: `c = 0` or Sterbenz), `|r| <= 2^-7`, `T = tanh c = th + tl`, `S = 1 - T^2 = sh + sl` and
-/// `t = tanh r` the value is `T + t S / (1 + T t)`.
+/// With `c = j / 64` next to `a`, `r = a - c` (exact: `c = 0` or Sterbenz), `|r| <= 2^-7`,
+/// `T = tanh c = th + tl`, `S = 1 - T^2 = sh + sl` and `t = tanh r` the value is
+/// `T + t S / (1 + T t)`.
 ///
 /// *Parts.* `t = r + t3`, `t3 = r^3 (-1/3 + 2 r^2/15 - 17 r^4/315 + 62 r^6/2835)`, remainder below
-/// `2^-83`; `|t3| < 2^-22.5` errs by `4 · 2^-53` of it. `d + dl = 1 + T t` up to `2^-60.9`, which
-/// is left out: `tl r`. With `q` the rounded `sh / d` and its exact remainder,
+/// `2^-83`; `|t3| < 2^-22.5` errs by `4 · 2^-53` of it. `d + dl = 1 + T t` up to `tl r`, below
+/// `2^-60 T`, which is left out. With `q` the rounded `sh / d` and its exact remainder,
 /// `S / (1 + T t) = q + ql`, `ql = (remainder + (sl - q dl)) / (d + dl)`, below `2^-22.4 T` and
-/// with an error below `2^-75`, or `2^-60.8 S` for what was left out.
+/// with an error below `2^-75`, and `2^-60 S T` for what was left out.
 ///
 /// *Sum.* `h + el = th + r q` without error (`pl` is the rest of the product), as `T = 0` or
 /// `T > 1.9 · 2^-7`. The rest is `el + (tl + (pl + (t3 (q + ql) + r ql)))`. In units of `2^-75`:
 /// `t3` errs by 2.9, its product by 1.1, the four sums by 0.8 each, `r ql` by 0.1 and, for what was
-/// left out, by `2^-67.8 S T`, as `|tl| <= 2^-53 T`. Relative to the value, which is more than
-/// `0.99 · 2^-7` and `T / 2`, for `T != 0` this is below `2^-65.1 + 2^-66.8`. For `T = 0` the value
-/// is about `r = a`, and all that errs is `t3`: below `2^-66`.
+/// left out, by `2^-67 S T`. Relative to the value, which is more than `0.99 · 2^-7` and `T / 2`,
+/// for `T != 0` this is below `2^-65.1 + 2^-66`. For `T = 0` the value is about `r = a`, and all
+/// that errs is `t3`: below `2^-66`.
 #[inline(always)]
-fn tanh_nearest<V: Wide>(x: V) -> (V, V::Mask) {
+fn moderate<V: Wide>(a: V) -> (V, V::Mask) {
     const ERROR: f64 = f64::from_bits((1023 - 64) << 52);
     let one = V::splat(1.0);
-    let a = x.abs();
-    let within = a.at_most(V::splat(3.98));
-    let flat = V::splat(20.0).at_most(a);
     let rounder = V::splat(ROUNDER);
-    let number = a
-        .smaller(V::splat(20.0))
-        .times_plus(V::splat(64.0), rounder);
+    let number = a.times_plus(V::splat(64.0), rounder);
     let c = number.minus(rounder).times(V::splat(1.0 / 64.0));
     let r = a.minus(c);
 
@@ -87,9 +82,54 @@ fn tanh_nearest<V: Wide>(x: V) -> (V, V::Mask) {
     let el = th.minus(h).plus(product);
     let rest = pl.plus(t3.times_plus(q.plus(ql), r.times(ql)));
     let low = el.plus(tl.plus(rest));
-    let (value, certain) = nearest(h, low, h.times(V::splat(ERROR)));
-    let certain = V::either(V::both(certain, within), flat);
-    with_sign(x, V::select(flat, one, value), certain)
+    nearest(h, low, h.times(V::splat(ERROR)))
+}
+
+/// The float nearest to `tanh a` for `3.98 <= a <= 20`, and where this is certain.
+///
+/// `tanh a = 1 - 2 / (E + 1)`, where `E = exp(2 a) > 2800` as a sum of two floats has a relative
+/// error below `2^-66`, and so has `E + 1 = d + dl`, `|dl| < 2^-51 d`. With `q` the rounded `2 / d`
+/// and its exact remainder, `2 / (d + dl) = q + ql` up to `2^-100 q`,
+/// `ql = (remainder - q dl) / d`. As `q < 2^-10.4`, the value `1 - q - ql` errs by less than
+/// `2^-76`, and its last rounding by `2^-105`.
+#[inline(always)]
+fn large<V: Wide>(a: V) -> (V, V::Mask) {
+    const ERROR: f64 = f64::from_bits((1023 - 70) << 52);
+    let (one, two) = (V::splat(1.0), V::splat(2.0));
+    let (h, low, exponent) = exp_parts(a.plus(a));
+    let scale = one.bits_plus(exponent);
+    let (high, rest) = fast_sum(h, low);
+    let (d, dl) = fast_sum(high.times(scale), one);
+    let dl = dl.plus(rest.times(scale));
+    let q = two.over(d);
+    let ql = q.times_from(d, two).minus(q.times(dl)).over(d);
+    let (value, el) = fast_sum(one, q.negated());
+    nearest(value, el.minus(ql), V::splat(ERROR))
+}
+
+/// The float nearest to `tanh x`, and where this is certain.
+///
+/// For `|x| >= 20` the value lies within `2 exp(-40) < 2^-56` of 1, which so is the nearest float.
+#[inline(always)]
+fn tanh_nearest<V: Wide>(x: V) -> (V, V::Mask) {
+    const BORDER: f64 = 3.98;
+    const FLAT: f64 = 20.0;
+    let a = x.abs();
+    let near = a.at_most(V::splat(BORDER));
+    let flat = V::splat(FLAT).at_most(a);
+    let (mut value, mut certain) = (V::splat(1.0), flat);
+    if V::bits(near) != 0 {
+        let (some, some_certain) = moderate(a.smaller(V::splat(BORDER)));
+        value = V::select(near, some, value);
+        certain = V::either(certain, V::both(near, some_certain));
+    }
+    if V::bits(V::either(near, flat)) != (1 << V::WIDTH) - 1 {
+        let (some, some_certain) = large(a.larger(V::splat(BORDER)).smaller(V::splat(FLAT)));
+        let other = V::without(V::without(some_certain, near), flat);
+        value = V::select(other, some, value);
+        certain = V::either(certain, other);
+    }
+    with_sign(x, value, certain)
 }
 
 /// [`crate::Interval::tanh`], and the lanes that are open.

@@ -3,7 +3,7 @@
 use super::super::vector::Ends;
 use super::exponential::open;
 use super::tables::{FIRST, LN_2_PARTS, PIECES, WIDTH};
-use super::wide::{Wide, nearest, neighbours};
+use super::wide::{Wide, fast_sum, nearest, neighbours};
 
 /// The float nearest to `ln x`, and where this is certain; not at 1.
 ///
@@ -82,13 +82,6 @@ fn ln_nearest<V: Wide>(x: V) -> (V, V::Mask) {
     let error = s.abs().times(V::splat(ERROR));
     let (value, certain) = nearest(s, low, error);
     (value, V::both(certain, within))
-}
-
-/// The sum and its error. Required: `|a| >= |b|`, or `a = 0`.
-#[inline(always)]
-fn fast_sum<V: Wide>(a: V, b: V) -> (V, V) {
-    let sum = a.plus(b);
-    (sum, a.minus(sum).plus(b))
 }
 
 /// [`crate::Interval::ln`], and the lanes that are open.

@@ -73,3 +73,10 @@ pub(super) fn neighbours<V: Wide>(x: V) -> (V, V) {
 /// Adding this number to a float below `2^51` rounds it to an integer, which then stands in the
 /// lowest bits.
 pub(super) const ROUNDER: f64 = 6_755_399_441_055_744.0;
+
+/// The sum and its error. Required: `|a| >= |b|`, or `a = 0`.
+#[inline(always)]
+pub(super) fn fast_sum<V: Wide>(a: V, b: V) -> (V, V) {
+    let sum = a.plus(b);
+    (sum, a.minus(sum).plus(b))
+}
