@@ -18,7 +18,9 @@ mod lanes;
 mod pair;
 
 pub(crate) use exact::from_scaled;
-pub(crate) use kernel::{LEAST, MOST, SMALL, STEP, product_up, quotient_up, sum_up};
+#[cfg(target_arch = "x86_64")]
+pub(crate) use kernel::STEP;
+pub(crate) use kernel::{LEAST, MOST, SMALL, product_up, quotient_up, sum_up};
 pub(crate) use lanes::Lanes;
 pub(crate) use pair::Pair;
 

@@ -35,6 +35,7 @@ macro_rules! chunks {
         all
     }};
 }
+#[cfg(target_arch = "x86_64")]
 pub(super) use chunks;
 
 #[cold]

@@ -1,15 +1,16 @@
 //! Eight intervals side by side.
 //!
-//! [`Interval8`] has the operations of [`crate::Interval`], lane by lane, and *exactly* its results: every
-//! basic operation is tight, and every other one is the scalar operation on each lane. So the bits of
-//! a result depend neither on the machine nor on the neighbours of a lane.
+//! [`Interval8`] has the operations of [`crate::Interval`], lane by lane, and *exactly* its results:
+//! every basic operation is tight, elementary functions round to nearest before they step outward, and
+//! whatever a lane cannot prove is left to the scalar operation. So the bits of a result depend
+//! neither on the machine nor on the neighbours of a lane.
 //!
 //! An operation on an [`Interval8`] runs on the widest instruction set the processor has (a
 //! [`Path`]), chosen once at run time. Whole loops over many operations are written once, as a
 //! [`Kernel`] over an [`Arithmetic`], and [`Value::run`] compiles and chooses them per path.
 #![allow(
     clippy::indexing_slicing,
-    reason = "PROOF: every array has LANES elements, and lanes are counted below LANES"
+    reason = "PROOF: every array has LANES elements, and lanes are counted below LANES; places in tables are cut to the length of the table"
 )]
 
 /// Functions of their own for a path, instead of a copy in every kernel that calls them.

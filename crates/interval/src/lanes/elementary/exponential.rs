@@ -2,7 +2,7 @@
 
 use super::super::vector::{Ends, Vector};
 use super::tables::{LN_2_OVER_128, POWERS};
-use super::wide::{ROUNDER, Wide, nearest, neighbours};
+use super::wide::{ROUNDER, Sum, Wide, neighbours};
 
 /// `exp x` as `2^e (h + low)`, and `e` in the exponent field, without bias.
 ///
@@ -51,15 +51,27 @@ pub(super) fn exp_parts<V: Wide>(x: V) -> (V, V, V) {
     (h, low, number.bits_right::<7>().bits_left::<52>())
 }
 
+/// The same sum as a value in `[0.99, 2.01]`, and the exponent.
+#[inline(always)]
+pub(super) fn exp_sum<V: Wide>(x: V) -> (Sum<V>, V) {
+    const ERROR: f64 = f64::from_bits((1023 - 66) << 52);
+    let (high, low, exponent) = exp_parts(x);
+    let sum = Sum {
+        high,
+        low,
+        error: V::splat(ERROR),
+        valid: V::both(x.at_most(V::splat(709.0)), V::splat(-708.0).at_most(x)),
+    };
+    (sum, exponent)
+}
+
 /// The float nearest to `exp x`, and where this is certain. Only the exponent is changed after the
 /// rounding, and the result is normal.
 #[inline(always)]
 fn exp_nearest<V: Wide>(x: V) -> (V, V::Mask) {
-    const ERROR: f64 = f64::from_bits((1023 - 66) << 52);
-    let within = V::both(x.at_most(V::splat(709.0)), V::splat(-708.0).at_most(x));
-    let (h, low, exponent) = exp_parts(x);
-    let (value, certain) = nearest(h, low, V::splat(ERROR));
-    (value.bits_plus(exponent), V::both(certain, within))
+    let (sum, exponent) = exp_sum(x);
+    let (value, certain) = sum.nearest();
+    (value.bits_plus(exponent), certain)
 }
 
 /// [`crate::Interval::exp`], and the lanes that are open.

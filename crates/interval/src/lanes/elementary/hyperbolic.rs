@@ -1,10 +1,10 @@
 //! The hyperbolic tangent on lanes.
 
 use super::super::vector::Ends;
-use super::arctangent::{between, with_sign};
+use super::arctangent::{between, is_not_small, with_sign};
 use super::exponential::exp_parts;
 use super::tables::{Fixed, ONE, pair, times};
-use super::wide::{ROUNDER, Wide, fast_sum, nearest};
+use super::wide::{ROUNDER, Sum, Wide, fast_sum};
 
 /// `tanh(1 / 64)` in units of `2^-126`.
 const STEP: Fixed = 0x00ff_faaa_cccb_efc4_9508_942b_ac21_fe07;
@@ -36,7 +36,7 @@ const fn over(a: Fixed, b: Fixed) -> Fixed {
     quotient
 }
 
-/// The float nearest to `tanh a` for `0 <= a <= 3.98`, and where this is certain.
+/// `tanh a` as a sum of two floats, for `0 <= a <= 3.98`.
 ///
 /// With `c = j / 64` next to `a`, `r = a - c` (exact: `c = 0` or Sterbenz), `|r| <= 2^-7`,
 /// `T = tanh c = th + tl`, `S = 1 - T^2 = sh + sl` and `t = tanh r` the value is
@@ -55,7 +55,7 @@ const fn over(a: Fixed, b: Fixed) -> Fixed {
 /// for `T != 0` this is below `2^-65.1 + 2^-66`. For `T = 0` the value is about `r = a`, and all
 /// that errs is `t3`: below `2^-66`.
 #[inline(always)]
-fn moderate<V: Wide>(a: V) -> (V, V::Mask) {
+pub(super) fn moderate<V: Wide>(a: V) -> Sum<V> {
     const ERROR: f64 = f64::from_bits((1023 - 64) << 52);
     let one = V::splat(1.0);
     let rounder = V::splat(ROUNDER);
@@ -82,10 +82,15 @@ fn moderate<V: Wide>(a: V) -> (V, V::Mask) {
     let el = th.minus(h).plus(product);
     let rest = pl.plus(t3.times_plus(q.plus(ql), r.times(ql)));
     let low = el.plus(tl.plus(rest));
-    nearest(h, low, h.times(V::splat(ERROR)))
+    Sum {
+        high: h,
+        low,
+        error: h.times(V::splat(ERROR)),
+        valid: is_not_small(a),
+    }
 }
 
-/// The float nearest to `tanh a` for `3.98 <= a <= 20`, and where this is certain.
+/// `tanh a` as a sum of two floats, for `3.98 <= a <= 20`.
 ///
 /// `tanh a = 1 - 2 / (E + 1)`, where `E = exp(2 a) > 2800` as a sum of two floats has a relative
 /// error below `2^-66`, and so has `E + 1 = d + dl`, `|dl| < 2^-51 d`. With `q` the rounded `2 / d`
@@ -93,7 +98,7 @@ fn moderate<V: Wide>(a: V) -> (V, V::Mask) {
 /// `ql = (remainder - q dl) / d`. As `q < 2^-10.4`, the value `1 - q - ql` errs by less than
 /// `2^-76`, and its last rounding by `2^-105`.
 #[inline(always)]
-fn large<V: Wide>(a: V) -> (V, V::Mask) {
+pub(super) fn large<V: Wide>(a: V) -> Sum<V> {
     const ERROR: f64 = f64::from_bits((1023 - 70) << 52);
     let (one, two) = (V::splat(1.0), V::splat(2.0));
     let (h, low, exponent) = exp_parts(a.plus(a));
@@ -104,7 +109,12 @@ fn large<V: Wide>(a: V) -> (V, V::Mask) {
     let q = two.over(d);
     let ql = q.times_from(d, two).minus(q.times(dl)).over(d);
     let (value, el) = fast_sum(one, q.negated());
-    nearest(value, el.minus(ql), V::splat(ERROR))
+    Sum {
+        high: value,
+        low: el.minus(ql),
+        error: V::splat(ERROR),
+        valid: is_not_small(a),
+    }
 }
 
 /// The float nearest to `tanh x`, and where this is certain.
@@ -119,17 +129,18 @@ fn tanh_nearest<V: Wide>(x: V) -> (V, V::Mask) {
     let flat = V::splat(FLAT).at_most(a);
     let (mut value, mut certain) = (V::splat(1.0), flat);
     if V::bits(near) != 0 {
-        let (some, some_certain) = moderate(a.smaller(V::splat(BORDER)));
+        let (some, some_certain) = moderate(a.smaller(V::splat(BORDER))).nearest();
         value = V::select(near, some, value);
         certain = V::either(certain, V::both(near, some_certain));
     }
     if V::bits(V::either(near, flat)) != (1 << V::WIDTH) - 1 {
-        let (some, some_certain) = large(a.larger(V::splat(BORDER)).smaller(V::splat(FLAT)));
+        let (some, some_certain) =
+            large(a.larger(V::splat(BORDER)).smaller(V::splat(FLAT))).nearest();
         let other = V::without(V::without(some_certain, near), flat);
         value = V::select(other, some, value);
         certain = V::either(certain, other);
     }
-    with_sign(x, value, certain)
+    with_sign(x, (value, certain))
 }
 
 /// [`crate::Interval::tanh`], and the lanes that are open.

@@ -3,9 +3,9 @@
 use super::super::vector::Ends;
 use super::exponential::open;
 use super::tables::{FIRST, LN_2_PARTS, PIECES, WIDTH};
-use super::wide::{Wide, fast_sum, nearest, neighbours};
+use super::wide::{Sum, Wide, fast_sum, neighbours};
 
-/// The float nearest to `ln x`, and where this is certain; not at 1.
+/// `ln x` as a sum of two floats; not at 1.
 ///
 /// `x = 2^e z` with `z` in `[0.6875, 1.375)`, and with the reciprocal `c` of the piece of `z`:
 /// `ln x = e ln 2 - ln c + ln(1 + r)`, `r = z c - 1`. The product is `p + pl` without error,
@@ -27,7 +27,7 @@ use super::wide::{Wide, fast_sum, nearest, neighbours};
 ///   of its two sums and the remainder are below `ρ^3 2^-52 + ρ^11 / 10`: relative, below
 ///   `2^-65.5`.
 #[inline(always)]
-fn ln_nearest<V: Wide>(x: V) -> (V, V::Mask) {
+pub(super) fn ln_sum<V: Wide>(x: V) -> Sum<V> {
     const ERROR: f64 = f64::from_bits((1023 - 65) << 52);
     /// A float with this exponent has its integer in its lowest bits.
     const INTEGERS: u64 = 0x4330_0000_0000_0000;
@@ -79,9 +79,12 @@ fn ln_nearest<V: Wide>(x: V) -> (V, V::Mask) {
         .plus(hl.times_from(half, b));
     let tail = rh.times(hh).times_plus(polynomial, tail);
     let low = first_rest.plus(second_rest).plus(tail);
-    let error = s.abs().times(V::splat(ERROR));
-    let (value, certain) = nearest(s, low, error);
-    (value, V::both(certain, within))
+    Sum {
+        high: s,
+        low,
+        error: s.abs().times(V::splat(ERROR)),
+        valid: within,
+    }
 }
 
 /// [`crate::Interval::ln`], and the lanes that are open.
@@ -92,14 +95,14 @@ pub(super) fn logarithms<V: Wide>(x: Ends<V>, _: Ends<V>) -> (Ends<V>, u32) {
     let (lo, hi) = (x.neg_lo.negated(), x.hi);
     let nothing = hi.at_most(zero);
 
-    let (value, certain) = ln_nearest(lo);
+    let (value, certain) = ln_sum(lo).nearest();
     let (below, _) = neighbours(value);
     let below = V::select(lo.equals(one), zero, below);
     let unbounded = lo.at_most(zero);
     let below = V::select(unbounded, infinity.negated(), below);
     let lo_certain = V::either(V::either(certain, unbounded), lo.equals(one));
 
-    let (value, certain) = ln_nearest(hi);
+    let (value, certain) = ln_sum(hi).nearest();
     let (_, above) = neighbours(value);
     let above = V::select(hi.equals(one), zero, above);
     let unbounded = hi.equals(infinity);

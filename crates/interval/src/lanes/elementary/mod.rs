@@ -7,6 +7,8 @@
 //! operation does the lane.
 
 mod arctangent;
+#[cfg(test)]
+mod errors;
 mod exponential;
 mod hyperbolic;
 mod logarithm;

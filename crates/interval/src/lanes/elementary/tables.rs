@@ -164,6 +164,9 @@ pub(super) mod exact {
             assert!(x == 0.0);
             return BigInt::zero();
         }
+        if biased < 1075 - i64::from(BITS) {
+            return BigInt::zero();
+        }
         let m = BigInt::from(bits & ((1 << 52) - 1) | 1 << 52);
         let shifted = m << (biased - 1075 + i64::from(BITS)) as u64;
         if x < 0.0 { -shifted } else { shifted }

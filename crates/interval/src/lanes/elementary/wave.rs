@@ -3,7 +3,7 @@
 use super::super::vector::Ends;
 use super::exponential::open;
 use super::tables::{CIRCLE, PI_OVER_128};
-use super::wide::{ROUNDER, Wide, nearest, neighbours};
+use super::wide::{ROUNDER, Sum, Wide, neighbours};
 
 /// The largest argument that is not left to the scalar operation, as in the module `period`.
 const LARGEST: f64 = 1_048_576.0;
@@ -102,18 +102,22 @@ impl<V: Wide> Reduced<V> {
     }
 }
 
-/// The float nearest to `sin (x + turn π / 128)`, and where this is certain.
+/// `sin (x + turn π / 128)` as a sum of two floats.
 #[inline(always)]
-fn sin_nearest<V: Wide>(x: V, turn: u64) -> (V, V::Mask) {
+pub(super) fn sin_sum<V: Wide>(x: V, turn: u64) -> Sum<V> {
     const ERROR: f64 = f64::from_bits((1023 - 62) << 52);
     let reduced = Reduced::of(x);
     let place = reduced.number.bits_plus(V::of_bits(turn));
-    let (h, low, valid) = reduced.turned(place.rows(&CIRCLE));
-    let (value, certain) = nearest(h, low, h.abs().times(V::splat(ERROR)));
-    (value, V::both(certain, valid))
+    let (high, low, valid) = reduced.turned(place.rows(&CIRCLE));
+    Sum {
+        high,
+        low,
+        error: high.abs().times(V::splat(ERROR)),
+        valid,
+    }
 }
 
-/// The float nearest to `tan x`, and where this is certain.
+/// `tan x` as a sum of two floats.
 ///
 /// `(h + l) / (g + m)` for sine and cosine, with `q` the float nearest to `h / g`, is
 /// `q + ((h - q g) + (l - q m)) / (g + m)`; the first bracket is exact. In units of `2^-63` of the
@@ -121,7 +125,7 @@ fn sin_nearest<V: Wide>(x: V, turn: u64) -> (V, V::Mask) {
 /// rounding of the second one, of their sum, of the divisor and of the quotient are each less than
 /// `2^-53` of this, together 1.7. In all less than 5.4.
 #[inline(always)]
-fn tan_nearest<V: Wide>(x: V) -> (V, V::Mask) {
+pub(super) fn tan_sum<V: Wide>(x: V) -> Sum<V> {
     /// `6 · 2^-63`
     const ERROR: f64 = f64::from_bits(((1023 - 61) << 52) | (1 << 51));
     let reduced = Reduced::of(x);
@@ -132,8 +136,12 @@ fn tan_nearest<V: Wide>(x: V) -> (V, V::Mask) {
     let q = h.over(g);
     let rest = q.times_from(g, h).plus(q.times_from(m, l));
     let low = rest.over(g.plus(m));
-    let (value, certain) = nearest(q, low, q.abs().times(V::splat(ERROR)));
-    (value, V::both(certain, valid))
+    Sum {
+        high: q,
+        low,
+        error: q.abs().times(V::splat(ERROR)),
+        valid,
+    }
 }
 
 /// `floor(x / (π/2))` as `quarter` of the module `period` finds it in its short way, and where this
@@ -153,7 +161,7 @@ fn quarter<V: Wide>(x: V) -> (V, V::Mask) {
 #[inline(always)]
 fn value<V: Wide>(x: V, turn: u64, at_zero: V) -> (V, V, V::Mask) {
     let one = V::splat(1.0);
-    let (value, certain) = sin_nearest(x, turn);
+    let (value, certain) = sin_sum(x, turn).nearest();
     let (below, above) = neighbours(value);
     let zero = x.equals(V::splat(0.0));
     (
@@ -229,8 +237,8 @@ pub(super) fn tangents<V: Wide>(x: Ends<V>, _: Ends<V>) -> (Ends<V>, u32) {
     let poles = V::either(include(start, count, 1.0), include(start, count, 3.0));
     let quarters = V::both(start_certain, stop_certain);
 
-    let (first, first_certain) = tan_nearest(lo);
-    let (last, last_certain) = tan_nearest(hi);
+    let (first, first_certain) = tan_sum(lo).nearest();
+    let (last, last_certain) = tan_sum(hi).nearest();
     let (below, _) = neighbours(first);
     let (_, above) = neighbours(last);
     let (lo_zero, hi_zero) = (lo.equals(zero), hi.equals(zero));

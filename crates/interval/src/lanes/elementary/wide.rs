@@ -46,20 +46,30 @@ pub(in super::super) trait Wide: Vector {
     }
 }
 
-/// The sum `s + low` of a float and a smaller one as a nearest float, if this is certain for all
-/// numbers within `error` of the sum; and where it is not.
-///
-/// Proof. `value` is the rounded sum and `rest` the exact rest of it (Fast2Sum, `|low| <= |s|`).
-/// Rounding is monotone: where the two sums with `rest` moved by the error are rounded to `value`,
-/// all numbers between them are. The errors of the moved rests themselves, below `2^-105 |value|`,
-/// have to be part of `error`.
-#[inline(always)]
-pub(super) fn nearest<V: Wide>(s: V, low: V, error: V) -> (V, V::Mask) {
-    let value = s.plus(low);
-    let rest = s.minus(value).plus(low);
-    let below = value.plus(rest.minus(error)).equals(value);
-    let above = value.plus(rest.plus(error)).equals(value);
-    (value, V::both(below, above))
+/// `high + low` with `|low| <= |high|`: a value up to less than `error`, where `valid`.
+#[derive(Clone, Copy)]
+pub(super) struct Sum<V: Wide> {
+    pub(super) high: V,
+    pub(super) low: V,
+    pub(super) error: V,
+    pub(super) valid: V::Mask,
+}
+
+impl<V: Wide> Sum<V> {
+    /// The float nearest to the value, and where this is certain.
+    ///
+    /// Proof. `value` is the rounded sum and `rest` the exact rest of it (Fast2Sum). Rounding is
+    /// monotone: where the two sums with `rest` moved by the error are rounded to `value`, all
+    /// numbers between them are. The errors of the moved rests themselves, below `2^-105 |value|`,
+    /// have to be part of `error`.
+    #[inline(always)]
+    pub(super) fn nearest(self) -> (V, V::Mask) {
+        let value = self.high.plus(self.low);
+        let rest = self.high.minus(value).plus(self.low);
+        let below = value.plus(rest.minus(self.error)).equals(value);
+        let above = value.plus(rest.plus(self.error)).equals(value);
+        (value, V::both(V::both(below, above), self.valid))
+    }
 }
 
 /// The next floats below and above, for normal numbers that are not the least; see `raised` of the
