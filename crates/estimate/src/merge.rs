@@ -94,21 +94,9 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
         return;
     }
     let mut shapes = Shapes::new(cells, scale);
-    let mut best: Vec<Option<(usize, f64)>> = vec![None; cells.len()];
-    for i in 0..cells.len() {
-        let costs = shapes.overestimations(i);
-        for j in i + 1..cells.len() {
-            if !(across_modes || cells[i].modes == cells[j].modes) {
-                continue;
-            }
-            let cost = costs[j];
-            for (a, b) in [(i, j), (j, i)] {
-                if best[a].is_none_or(|(_, known)| cost < known) {
-                    best[a] = Some((b, cost));
-                }
-            }
-        }
-    }
+    let mut best: Vec<Option<(usize, f64)>> = (0..cells.len())
+        .map(|i| partner(cells, &mut shapes, i, across_modes))
+        .collect();
     let mut to_keep = Vec::new();
     while cells.len() > target {
         let cheapest = best

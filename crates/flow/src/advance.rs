@@ -1,11 +1,12 @@
 //! Straight motion of several boxes.
 
+use veribound_interval::Interval;
 use veribound_interval::lanes::{Arithmetic, Interval8, Kernel, Value};
 
 /// `from + time * velocity` for every state, into `to`.
 pub(crate) fn advance(
     from: &[Interval8],
-    time: &Interval8,
+    time: Interval,
     velocity: &[Interval8],
     to: &mut [Interval8],
 ) {
@@ -19,7 +20,7 @@ pub(crate) fn advance(
 
 struct Advance<'a> {
     from: &'a [Interval8],
-    time: &'a Interval8,
+    time: Interval,
     velocity: &'a [Interval8],
     to: &'a mut [Interval8],
 }
@@ -30,7 +31,7 @@ impl Kernel<Interval8> for Advance<'_> {
     #[inline(always)]
     fn run<A: Arithmetic<Value = Interval8>>(self) {
         for ((to, from), velocity) in self.to.iter_mut().zip(self.from).zip(self.velocity) {
-            *to = A::add(from, &A::mul(self.time, velocity));
+            *to = A::add(from, &A::scale(velocity, self.time));
         }
     }
 }

@@ -128,7 +128,7 @@ impl System {
         registers: &mut Registers,
     ) -> Mask {
         let n = self.layout.states;
-        let span = Interval8::splat(Interval::ZERO.hull(dt));
+        let span = Interval::ZERO.hull(dt);
         let Apriori {
             tube,
             velocity,
@@ -149,7 +149,7 @@ impl System {
         for _ in 0..ROUNDS {
             open = self.velocity(q, open, candidate, failed, registers);
             let mut proved = open;
-            advance(start, &span, &candidate.velocity, image);
+            advance(start, span, &candidate.velocity, image);
             for i in 0..n {
                 proved &= image[i].is_interior_of(&q[i]);
             }

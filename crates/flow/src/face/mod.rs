@@ -63,7 +63,7 @@ pub(crate) struct Faces {
     face: Vec<Interval8>,
     clipped: Vec<Interval8>,
     /// `1 / (k + 1)`
-    reciprocals: Vec<Interval8>,
+    reciprocals: Vec<Interval>,
     survey: Survey,
     order: usize,
 }
@@ -76,7 +76,7 @@ impl Faces {
             face: vec![Interval8::ZERO; system.layout.len()],
             clipped: Vec::new(),
             reciprocals: (0..order + 2)
-                .map(|k| Interval8::splat(Interval::point((k + 1) as f64).recip()))
+                .map(|k| Interval::point((k + 1) as f64).recip())
                 .collect(),
             survey: Survey::default(),
             order,
@@ -128,12 +128,11 @@ impl System {
         }
         self.enclose_series_ranges(step, faces, registers);
         self.expand_series(step.dt, faces, registers);
-        let dt = Interval8::splat(step.dt);
-        let whole = Interval8::splat(Interval::ZERO.hull(step.dt));
+        let whole = Interval::ZERO.hull(step.dt);
         // The plain bounds with the hull of all velocities hold as well.
         let velocity = &step.apriori.velocity;
-        advance(step.q, &dt, velocity, end);
-        advance(step.q, &whole, velocity, tube);
+        advance(step.q, step.dt, velocity, end);
+        advance(step.q, whole, velocity, tube);
         for (state, [lower, upper]) in faces.bounds.iter().enumerate() {
             let moved = Interval8::between(lower.end, upper.end);
             end[state] = end[state].intersect(&moved);

@@ -192,7 +192,7 @@ impl System {
         faces: &mut Faces,
         registers: &mut Registers,
     ) {
-        let span = Interval8::splat(Interval::ZERO.hull(step.dt));
+        let span = Interval::ZERO.hull(step.dt);
         let mut open = step.lanes;
         for round in 0..SERIES_ROUNDS {
             let mut unsettled = Mask::NONE;
@@ -277,7 +277,7 @@ impl System {
     pub(super) fn expand_series(&self, dt: Interval, faces: &mut Faces, registers: &mut Registers) {
         Interval8::run(Expansion {
             system: self,
-            dt: Interval8::splat(dt),
+            dt,
             faces,
             registers,
         });
@@ -336,7 +336,7 @@ impl System {
 struct Picard<'a> {
     system: &'a System,
     which: Which,
-    span: Interval8,
+    span: Interval,
     faces: &'a Faces,
     registers: &'a mut Registers,
 }
@@ -351,7 +351,7 @@ impl Kernel<Interval8> for Picard<'_> {
             self.system
                 .comparison::<A>(self.which, 0, true, self.faces, self.registers);
         let start = Interval8::point(self.faces.bounds[state][side.index()].start);
-        let image = A::add(&start, &A::mul(&self.span, &velocity));
+        let image = A::add(&start, &A::scale(&velocity, self.span));
         (image, velocity, known & velocity.is_bounded())
     }
 }
@@ -359,7 +359,7 @@ impl Kernel<Interval8> for Picard<'_> {
 /// [`System::expand_series`]
 struct Expansion<'a> {
     system: &'a System,
-    dt: Interval8,
+    dt: Interval,
     faces: &'a mut Faces,
     registers: &'a mut Registers,
 }
@@ -387,7 +387,7 @@ impl Kernel<Interval8> for Expansion<'_> {
                 }
                 let mut sum = bound.remainder;
                 for coefficient in bound.coefficients[..=order].iter().rev() {
-                    sum = A::add(coefficient, &A::mul(&self.dt, &sum));
+                    sum = A::add(coefficient, &A::scale(&sum, self.dt));
                 }
                 assign(&mut bound.end, bound.series, &side.ends(&sum));
             }
@@ -427,7 +427,7 @@ impl Expansion<'_> {
                     let value = if k == 0 {
                         value
                     } else {
-                        A::mul(&value, &reciprocal)
+                        A::scale(&value, reciprocal)
                     };
                     // The ranges were accepted with a smooth right-hand side on them; were it
                     // otherwise, the unbounded coefficient says so and loses nothing.

@@ -44,6 +44,8 @@ pub trait Arithmetic {
     fn sub(a: &Self::Value, b: &Self::Value) -> Self::Value;
     /// `a * b`
     fn mul(a: &Self::Value, b: &Self::Value) -> Self::Value;
+    /// `a * factor`, the same factor in every lane: the cheaper one if it is not negative.
+    fn scale(a: &Self::Value, factor: Interval) -> Self::Value;
     /// `a / b`
     fn div(a: &Self::Value, b: &Self::Value) -> Self::Value;
     /// [`Interval::sqr`]

@@ -12,6 +12,7 @@ use std::arch::x86_64::*;
 use super::elementary;
 use super::vector::Vector;
 use super::{Floats, Interval8, basic, power};
+use crate::Interval;
 use crate::round::{SMALL, STEP};
 
 /// Four floats.
@@ -306,7 +307,8 @@ impl Vector for F64x4 {
     outlined! {
             #[target_feature(enable = "avx2,fma")]
             mul(a: &Interval8, b: &Interval8) = basic::mul::<F64x4>(a, b);
-            div(a: &Interval8, b: &Interval8) = basic::div::<F64x4>(a, b);
+            scale(a: &Interval8, factor: Interval) = basic::scale::<F64x4>(a, factor);
+        div(a: &Interval8, b: &Interval8) = basic::div::<F64x4>(a, b);
             sqr(a: &Interval8) = basic::sqr::<F64x4>(a);
             sqrt(a: &Interval8) = basic::sqrt::<F64x4>(a);
             exp(a: &Interval8) = elementary::exp::<F64x4>(a);

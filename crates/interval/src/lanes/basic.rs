@@ -144,6 +144,36 @@ pub(super) fn mul<V: Vector>(a: &Interval8, b: &Interval8) -> Interval8 {
     chunks!(V, a, b, times, |a, b| a * b)
 }
 
+/// Products with factors that are not negative: two columns of the table above. Required: the factors
+/// are not empty.
+#[inline(always)]
+fn scaled<V: Vector>(x: Ends<V>, factor: Ends<V>) -> (Ends<V>, u32) {
+    let zero = V::splat(0.0);
+    let (least, most) = (factor.neg_lo.negated(), factor.hi);
+    let lower = (
+        x.neg_lo.negated(),
+        V::select(x.neg_lo.at_most(zero), least, most),
+    );
+    let upper = (x.hi, V::select(x.hi.at_most(zero), least, most));
+    let products = [
+        V::negated_product(lower.0, lower.1),
+        V::product(upper.0, upper.1),
+    ];
+    let ([neg_lo, hi], open) = V::proved(products, [lower, upper]);
+    let product = Ends {
+        neg_lo: V::round_up(neg_lo).or_lowest(),
+        hi: V::round_up(hi).or_lowest(),
+    };
+    (product.empty_where(x.is_empty()), open)
+}
+
+/// `a * factor` for a factor with `lo >= 0`.
+#[inline(always)]
+pub(super) fn scale<V: Vector>(a: &Interval8, factor: Interval) -> Interval8 {
+    let factor = Interval8::splat(factor);
+    chunks!(V, a, &factor, scaled, |a, b| a * b)
+}
+
 /// The squares of the numbers of least and of largest magnitude.
 #[inline(always)]
 fn square<V: Vector>(x: Ends<V>, _: Ends<V>) -> (Ends<V>, u32) {

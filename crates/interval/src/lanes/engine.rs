@@ -42,6 +42,15 @@ impl<V: Vector> Arithmetic for Engine<V> {
     long!(sqr, sqrt, exp, ln, sin, cos, tan, atan, tanh; mul, div);
 
     #[inline(always)]
+    fn scale(a: &Interval8, factor: Interval) -> Interval8 {
+        if factor.lo() >= 0.0 && !factor.is_empty() {
+            V::scale(a, factor)
+        } else {
+            V::mul(a, &Interval8::splat(factor))
+        }
+    }
+
+    #[inline(always)]
     fn neg(a: &Interval8) -> Interval8 {
         -*a
     }

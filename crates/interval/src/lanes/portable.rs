@@ -7,6 +7,7 @@
 
 use super::vector::Vector;
 use super::{Floats, Interval8, basic};
+use crate::Interval;
 use crate::round::{LEAST, Lanes, MOST, SMALL};
 
 /// True where products have exact errors by a fused operation and so without an upper limit.
@@ -98,6 +99,11 @@ impl<const N: usize> Vector for Array<N> {
     #[inline(never)]
     fn mul(a: &Interval8, b: &Interval8) -> Interval8 {
         basic::mul::<Self>(a, b)
+    }
+
+    #[inline(never)]
+    fn scale(a: &Interval8, factor: Interval) -> Interval8 {
+        basic::scale::<Self>(a, factor)
     }
 
     #[inline(never)]

@@ -59,6 +59,11 @@ impl Arithmetic for Scalar {
     }
 
     #[inline(always)]
+    fn scale(a: &Interval, factor: Interval) -> Interval {
+        *a * factor
+    }
+
+    #[inline(always)]
     fn div(a: &Interval, b: &Interval) -> Interval {
         *a / *b
     }

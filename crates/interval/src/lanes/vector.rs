@@ -85,6 +85,11 @@ pub(super) trait Vector: Copy {
     }
 
     #[inline(always)]
+    fn scale(a: &Interval8, factor: Interval) -> Interval8 {
+        basic::scale::<Self>(a, factor)
+    }
+
+    #[inline(always)]
     fn div(a: &Interval8, b: &Interval8) -> Interval8 {
         basic::div::<Self>(a, b)
     }
