@@ -28,6 +28,14 @@ impl Cell {
         }
     }
 
+    /// Becomes a copy of `other`, in its own memory.
+    pub(crate) fn copy_from(&mut self, other: &Cell) {
+        self.z.clone_from(&other.z);
+        self.modes = other.modes;
+        self.modes_during = other.modes_during;
+        self.memories.clone_from(&other.memories);
+    }
+
     /// Takes over the past of a box that lies inside this one, so that `other` can be dropped.
     pub(crate) fn absorb(&mut self, other: &Cell) {
         self.modes_during = self.modes_during.union(other.modes_during);

@@ -14,7 +14,7 @@ use crate::options::ObserverOptions;
 use crate::split::Splitter;
 use crate::verdict::{Contradiction, Estimate, Refutation, Undecided, Verdict};
 use veribound_flow::{ModeSet, StepFailure, System, Workspace};
-use veribound_interval::lanes::LANES;
+use veribound_interval::lanes::{LANES, Mask};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{Model, Sample};
 
@@ -46,6 +46,8 @@ pub struct Observer {
     resets: Vec<(usize, usize, Decimal)>,
     cells: Vec<Cell>,
     batches: Batches,
+    /// Boxes of an earlier sample, for their memory.
+    spare: Vec<Cell>,
     scale: Vec<f64>,
     held: Option<(Decimal, Vec<Interval>)>,
     samples: u64,
@@ -112,6 +114,7 @@ impl Observer {
             windows: Windows::new(&system, &options.windows),
             cells: vec![Cell::new(prior.clone())],
             batches: Batches::default(),
+            spare: Vec::new(),
             scale: vec![1.0; prior.len()],
             prior,
             resets,
@@ -289,32 +292,46 @@ impl Observer {
         }
     }
 
-    /// Step 3: every box to the next sample.
+    /// Step 3: every box to the next sample; on failure the list stays what it was.
     fn integrate(
         &mut self,
         inputs: &[Interval],
         dt: Interval,
     ) -> Result<(), (StepFailure, Vec<Interval>)> {
-        let mut cells = std::mem::take(&mut self.cells);
-        let failed = self.advance(&mut cells, inputs, dt);
-        let outcome = if failed.is_empty() {
-            self.cells = cells;
-            Ok(())
-        } else {
-            self.rescue_all(cells, &failed, inputs, dt)
-        };
+        let cells = std::mem::take(&mut self.cells);
+        // Boxes of earlier samples lend their memory.
+        let mut moved = std::mem::take(&mut self.spare);
+        let failed = self.advance(&cells, &mut moved, inputs, dt);
+        if !failed.is_empty() {
+            match self.rescue_all(&cells, moved, &failed, inputs, dt) {
+                Ok(all) => moved = all,
+                Err(failure) => {
+                    self.cells = cells;
+                    return Err(failure);
+                }
+            }
+        }
+        self.cells = moved;
+        self.spare = cells;
         self.windows.advance(dt);
-        outcome
+        Ok(())
     }
 
-    /// Moves boxes eight at a time, those with the same modes side by side. Those that could not
-    /// be integrated stay what they were; they are returned by position, in order, with the reasons.
+    /// Moves boxes eight at a time, those with the same modes side by side, into `moved`. What stands
+    /// there for those that could not be integrated means nothing; they are returned by position,
+    /// in order, with the reasons.
     fn advance(
         &mut self,
-        cells: &mut [Cell],
+        cells: &[Cell],
+        moved: &mut Vec<Cell>,
         inputs: &[Interval],
         dt: Interval,
     ) -> Vec<(usize, StepFailure)> {
+        moved.truncate(cells.len());
+        for (to, from) in moved.iter_mut().zip(cells) {
+            to.copy_from(from);
+        }
+        moved.extend_from_slice(&cells[moved.len()..]);
         let mut failed = Vec::new();
         let mut batches = std::mem::take(&mut self.batches);
         self.box_steps += cells.len() as u64;
@@ -322,68 +339,76 @@ impl Observer {
             batch.load(cells);
             let (system, workspace) = (&self.system, &mut self.workspace);
             let reports = system.step_eight(&mut batch.boxes, batch.lanes, inputs, dt, workspace);
-            batch.store(cells);
+            let mut done = Mask::NONE;
             for (lane, position) in batch.positions() {
                 match reports[lane] {
-                    Ok(report) => cells[position].modes_during = report.modes_during,
+                    Ok(report) => {
+                        moved[position].modes_during = report.modes_during;
+                        done |= Mask::lane(lane);
+                    }
                     Err(reason) => failed.push((position, reason)),
                 }
             }
-            self.windows
-                .extend(cells, batch, self.workspace.velocities(), dt);
+            // Of the others nothing is known, neither where they are nor how fast they were.
+            batch.lanes = done;
+            batch.store(moved);
+            let velocities = self.workspace.velocities();
+            self.windows.extend(moved, batch, velocities, dt);
         }
         self.batches = batches;
         failed.sort_by_key(|(position, _)| *position);
         failed
     }
 
-    /// Halves the boxes that could not be integrated, in place of each its parts.
+    /// The moved boxes, in place of each that could not be integrated its moved parts.
     fn rescue_all(
         &mut self,
-        cells: Vec<Cell>,
+        cells: &[Cell],
+        moved: Vec<Cell>,
         failed: &[(usize, StepFailure)],
         inputs: &[Interval],
         dt: Interval,
-    ) -> Result<(), (StepFailure, Vec<Interval>)> {
+    ) -> Result<Vec<Cell>, (StepFailure, Vec<Interval>)> {
+        let mut all = Vec::with_capacity(cells.len() + failed.len());
         let mut failed = failed.iter().peekable();
-        for (position, cell) in cells.into_iter().enumerate() {
+        for (position, (cell, moved)) in cells.iter().zip(moved).enumerate() {
             match failed.next_if(|(failed, _)| *failed == position) {
-                None => self.cells.push(cell),
-                Some((_, reason)) => {
-                    let whole = cell.z.clone();
-                    self.rescue(cell, 0, inputs, dt)
-                        .map_err(|()| (*reason, whole))?;
-                }
+                None => all.push(moved),
+                Some((_, reason)) => self
+                    .rescue(cell, 0, inputs, dt, &mut all)
+                    .map_err(|()| (*reason, cell.z.clone()))?,
             }
         }
-        Ok(())
+        Ok(all)
     }
 
     /// A smaller box may do: halves the coordinate with the largest share left, and adds the moved
-    /// parts to the list.
+    /// parts to `all`.
     fn rescue(
         &mut self,
-        cell: Cell,
+        cell: &Cell,
         halved: u32,
         inputs: &[Interval],
         dt: Interval,
+        all: &mut Vec<Cell>,
     ) -> Result<(), ()> {
-        let parts = self.widest(&cell).and_then(|coordinate| {
+        let parts = self.widest(cell).and_then(|coordinate| {
             let x = cell.z[coordinate];
             cut(x, x.mid()).map(|parts| (coordinate, parts))
         });
         let Some((coordinate, (below, above))) = parts.filter(|_| halved < RESCUES) else {
             return Err(());
         };
-        let mut halves = [cell.clone(), cell];
+        let mut halves = [cell.clone(), cell.clone()];
         halves[0].z[coordinate] = below;
         halves[1].z[coordinate] = above;
-        let failed = self.advance(&mut halves, inputs, dt);
-        for (position, half) in halves.into_iter().enumerate() {
+        let mut moved = Vec::new();
+        let failed = self.advance(&halves, &mut moved, inputs, dt);
+        for (position, (half, moved)) in halves.iter().zip(moved).enumerate() {
             if failed.iter().any(|(failed, _)| *failed == position) {
-                self.rescue(half, halved + 1, inputs, dt)?;
+                self.rescue(half, halved + 1, inputs, dt, all)?;
             } else {
-                self.cells.push(half);
+                all.push(moved);
             }
         }
         Ok(())
