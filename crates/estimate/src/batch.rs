@@ -1,7 +1,8 @@
 //! Boxes of the list, eight side by side.
 #![allow(
     clippy::indexing_slicing,
-    reason = "PROOF: positions are counted below the length of the list a batch was made for, and               lanes below LANES"
+    reason = "PROOF: a batch is used with the list it was made for, whose positions it holds; \
+              lanes are counted below LANES"
 )]
 
 use crate::cell::Cell;

@@ -11,7 +11,8 @@ use crate::system::{Registers, System};
 use veribound_interval::Interval;
 use veribound_interval::lanes::{Floats, Interval8, LANES, Mask};
 
-/// Iterations before a step is called too long.
+/// Iterations before a step is called too long. Growth of a tenth a round triples a box in twelve;
+/// what has not come to rest by then is helped by halving the step, not by patience.
 const ROUNDS: usize = 12;
 
 /// Why no a-priori box was found.
@@ -175,8 +176,10 @@ impl System {
     }
 }
 
-/// A little more than `image`: a tenth of its growth over the start box, and enough to have an
-/// interior.
+/// A little more than `image`: a tenth of its growth over the start box, since on the grown box the
+/// velocities are a little larger, and enough to have an interior also where nothing moves (some
+/// floats of the size of the box, or a number that is none of a physical quantity). Any choice is
+/// sound; this one is accepted in the second round mostly.
 fn inflated(image: &Interval8, start: &Interval8) -> Interval8 {
     let (after, before, size) = (image.width(), start.width(), image.mag());
     let reach: Floats = std::array::from_fn(|lane| {

@@ -7,6 +7,7 @@ mod advance;
 mod apriori;
 mod face;
 mod guard;
+mod levels;
 mod modes;
 mod side;
 mod step;

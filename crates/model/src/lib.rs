@@ -6,6 +6,7 @@ pub mod diagnostic;
 mod file;
 pub mod graph;
 pub mod model;
+mod regular;
 pub mod series;
 mod syntax;
 pub mod tape;
@@ -17,5 +18,6 @@ pub use model::{
     Coverage, ErrorBound, Guard, Input, Mode, Model, Output, Param, Relation, Reset, Sample,
     Signal, State,
 };
+pub use regular::Regular;
 pub use series::{Coefficients, SeriesTape};
-pub use tape::{Layout, Regular, Tape};
+pub use tape::{Layout, Tape};

@@ -6,9 +6,10 @@
 )]
 
 use crate::graph::{Binary, ExprId, Graph, Unary};
-use crate::tape::{Compiler, Instruction, Layout, Op, Regular, Tape};
+use crate::regular::Regular;
+use crate::tape::{Compiler, Instruction, Layout, Op, Tape};
 use veribound_interval::Interval;
-use veribound_interval::lanes::{Arithmetic, Kernel, MaskOf, Value};
+use veribound_interval::lanes::{Arithmetic, Kernel, Lanewise, MaskOf, Value};
 
 /// A tape that evaluates Taylor coefficients in time.
 ///
@@ -234,7 +235,12 @@ impl Instruction {
         let (a, b, out) = (self.a, self.b, self.out);
         let mut regular = Regular::smooth();
         let value = match self.op {
-            Op::Square | Op::Power(_) => c.square::<A>(a, k),
+            Op::Square => c.square::<A>(a, k),
+            // Series tapes have powers as products; should one be here, nothing is claimed.
+            Op::Power(_) => {
+                regular = Regular::undefined(Lanewise::splat(true));
+                A::Value::splat(Interval::ENTIRE)
+            }
             // Constants have one coefficient only.
             Op::Binary(Binary::Add) if k > 0 && !self.moving_operands.0 => *c.at(b, k),
             Op::Binary(Binary::Add | Binary::Sub) if k > 0 && !self.moving_operands.1 => {

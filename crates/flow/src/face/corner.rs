@@ -9,7 +9,8 @@ use super::bound::Plan;
 use crate::side::Side;
 use veribound_interval::lanes::{Floats, Interval8, LANES, Mask};
 
-/// Rounds of the search for signs of the gradient: fixing one argument can decide another's sign.
+/// Rounds of the search for signs of the gradient: fixing one argument can decide another's sign,
+/// and that one a third's; chains that are longer are rare and only cost tightness.
 const SIGN_ROUNDS: usize = 3;
 
 impl Face<'_> {

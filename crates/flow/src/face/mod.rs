@@ -20,7 +20,7 @@
 //!
 //! * **Region.** `V` moves with a bound of the velocity over `x_i` between `V` and the end of `B`,
 //!   inside the region, the other states anywhere in `B`: either as the solution of the
-//!   comparison equation (a Taylor series, [`Bound`] of kind series) or with one constant rate.
+//!   comparison equation (a Taylor series, the lanes in `series` of a [`Bound`]) or with one constant rate.
 //! * **Reaching a level from inside** (outward): `V` is put on the far side of the zone no later
 //!   than the straight line reaches it. This is a jump outward.
 //! * **Reaching a level from outside** (inward): `V` is put on the near edge of the zone no earlier

@@ -10,7 +10,8 @@ use crate::side::{Side, earliest, latest};
 use veribound_interval::lanes::{Floats, Interval8, LANES, Mask};
 use veribound_interval::{Interval, round};
 
-/// Phases one bound may pass through in one step before it falls back to the a-priori box.
+/// Phases one bound may pass through in one step before it falls back to the a-priori box: four
+/// levels with the zones at them.
 const PHASES: usize = 8;
 
 const ZERO: Floats = [0.0; LANES];

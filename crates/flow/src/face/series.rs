@@ -11,7 +11,8 @@ use crate::system::{Registers, System};
 use veribound_interval::Interval;
 use veribound_interval::lanes::{Arithmetic, Interval8, Kernel, LANES, Mask, Value};
 
-/// Rounds of Picard's iteration for the comparison equations.
+/// Rounds of Picard's iteration for the comparison equations: the second accepts mostly, and what
+/// grows for eight moves with constant rates instead.
 const SERIES_ROUNDS: usize = 8;
 
 impl Face<'_> {
@@ -439,7 +440,8 @@ impl Expansion<'_> {
     }
 }
 
-/// Generous: the range only enters the remainder, and fewer rounds are cheaper.
+/// A quarter more than `image` on both sides, generous since the range only enters the remainder and
+/// fewer rounds are cheaper; and a few floats for a point.
 fn generous(image: &Interval8) -> Interval8 {
     let (width, size) = (image.width(), image.mag());
     let more: [f64; LANES] = std::array::from_fn(|lane| 0.25 * width[lane] + 1e-14 * size[lane]);
