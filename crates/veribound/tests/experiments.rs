@@ -10,7 +10,8 @@
 
 mod support;
 
-use support::{Place, bounds, rig};
+use support::{Place, Ran, bounds, rig};
+use veribound_interval::lanes::Path;
 
 /// The values the record was made with.
 const TRUTH: [(&str, f64); 3] = [("alpha", -2.0), ("beta", 200.0), ("T_Fs", 0.15)];
@@ -163,4 +164,25 @@ fn the_record_in_the_repository_is_the_one_that_the_program_makes() {
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     place.run(&arguments).ended(0);
     assert!(place.read("again.csv") == record, "the record differs");
+}
+
+/// Which instructions do the arithmetic is not to be seen in the results: to the bit the same on every
+/// path that this processor has.
+#[test]
+fn every_path_of_the_lanes_gives_the_same_bounds() {
+    let place = Place::new();
+    let (model, record) = (rig("model.toml"), rig("rig.csv"));
+    let of = |path: Path| {
+        let out = path.name();
+        let flags = ["-o", out, "--figures", "none", "--to", "4"];
+        let arguments = [&["observe", &model, &record], &flags[..]].concat();
+        let mut command = place.command(&arguments);
+        command.env("VERIBOUND_LANES", out);
+        Ran::of(command.output().unwrap()).ended(0);
+        ["params.csv", "states.csv", "boxes.csv"].map(|name| place.read(&format!("{out}/{name}")))
+    };
+    let portable = of(Path::Portable);
+    for path in Path::available() {
+        assert!(of(path) == portable, "{} differs", path.name());
+    }
 }

@@ -436,3 +436,14 @@ fn flags_that_cannot_be_read() {
     place.run(&["--help"]).ended(0);
     assert!(!place.path().join("out").exists());
 }
+
+#[test]
+fn a_path_of_the_lanes_that_does_not_exist() {
+    let place = Place::new();
+    let (model, record) = place.cart(3);
+    let mut command = place.command(&["observe", &model, &record, "-o", "out"]);
+    command.env("VERIBOUND_LANES", "sse9");
+    let ran = support::Ran::of(command.output().unwrap()).ended(2);
+    says(&ran.err, &["E0508", "`sse9`", "portable"]);
+    assert!(!place.path().join("out").exists());
+}
