@@ -9,8 +9,8 @@ use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssi
 use crate::Interval;
 use crate::interval::{larger, smaller};
 use crate::round::{
-    Lanes, Pair, add_down, add_up, div_down, div_up, mul_down, mul_up, product_up, quotient_up,
-    sqrt_down, sqrt_up, sum_up,
+    Elementwise, Pair, add_down, add_up, div_down, div_up, mul_down, mul_up, product_up,
+    quotient_up, sqrt_down, sqrt_up, sum_up,
 };
 
 impl Neg for Interval {

@@ -9,7 +9,7 @@ use num_traits::{One, Zero};
 
 use crate::{Decimal, DecimalError, Interval, rational_to_interval};
 
-/// Binary exponents and hexadecimal digits beyond this are refused, as decimal ones are.
+/// More hexadecimal digits and larger binary exponents are refused, as decimal ones are.
 const LIMIT: usize = 10_000;
 
 /// Why a text is not a number or an interval.
@@ -127,10 +127,10 @@ fn hexadecimal(text: &str) -> Result<BigRational, DecimalError> {
     if at < bytes.len() {
         return Err(fault(at));
     }
-    let exponent = exponent - 4 * after_point;
-    if digits.len() > LIMIT || exponent.unsigned_abs() > 4 * LIMIT as u64 {
+    if digits.len() > LIMIT || exponent.unsigned_abs() > LIMIT as u64 {
         return Err(DecimalError::TooLarge);
     }
+    let exponent = exponent - 4 * after_point;
     // Only hexadecimal digits have been collected.
     let whole = BigInt::parse_bytes(&digits, 16).unwrap_or_default();
     let signed = if negative { -whole } else { whole };

@@ -2,8 +2,8 @@
 //!
 //! Every operation is first done in round-to-nearest; an error-free transform then tells on which
 //! side of the true value the result lies, and the result is moved by one float where needed (the
-//! private module `kernel`, with the proofs). Where the transform could be inexact (very small or very large
-//! operands) exact integers decide instead. Both ways give the tight bound: the largest float not
+//! private module `upward`, with the proofs). Where the transform could be inexact (very small or very
+//! large operands) exact integers decide instead. Both ways give the tight bound: the largest float not
 //! above, or the smallest float not below, the true value.
 //!
 //! *Guarantee*: for operands that are not NaN, `op_down(a, b) <= a op b <= op_up(a, b)` in the reals,
@@ -12,19 +12,19 @@
 //! of sets of real numbers here. Where nothing can be said (NaN, `inf - inf`, division by zero, root
 //! of a negative number) the result is `-inf` downward and `+inf` upward.
 
+mod elementwise;
 mod exact;
-mod kernel;
-mod lanes;
 mod pair;
+mod upward;
 
+pub(crate) use elementwise::Elementwise;
 pub(crate) use exact::from_scaled;
-#[cfg(target_arch = "x86_64")]
-pub(crate) use kernel::STEP;
-pub(crate) use kernel::{LEAST, MOST, SMALL, product_up, quotient_up, sum_up};
-pub(crate) use lanes::Lanes;
 pub(crate) use pair::Pair;
+#[cfg(target_arch = "x86_64")]
+pub(crate) use upward::STEP;
+pub(crate) use upward::{LEAST, MOST, SMALL, product_up, quotient_up, sum_up};
 
-use kernel::{root_bounds, sum_error};
+use upward::{root_bounds, sum_error};
 
 /// Largest float not above `a + b`.
 #[inline]

@@ -10,6 +10,9 @@
 
 mod support;
 
+use std::io::Write;
+use std::sync::Once;
+
 use support::Source;
 use veribound_interval::lanes::{Arithmetic, Kernel, LANES, Mask, MaskOf, Path};
 use veribound_interval::{Interval, Interval8};
@@ -114,8 +117,17 @@ fn scalar(operation: Operation, a: Interval, b: Interval) -> Interval {
     }
 }
 
-/// The paths under test.
+/// The paths under test; what this processor lacks is told once.
 fn paths() -> Vec<Path> {
+    static TOLD: Once = Once::new();
+    TOLD.call_once(|| {
+        for path in Path::ALL.into_iter().filter(|path| !path.is_available()) {
+            let name = path.name();
+            let line = format!("SKIPPED {name}: this processor does not have it; no lanes there\n");
+            // Past the capture of the test program, which hides the output of tests that pass.
+            std::io::stderr().write_all(line.as_bytes()).unwrap();
+        }
+    });
     match std::env::var_os("VERIBOUND_LANES") {
         Some(_) if Path::refused().is_none() => vec![Path::chosen()],
         _ => Path::available().collect(),
@@ -233,7 +245,6 @@ fn shuffled<T: Copy>(items: &[T]) -> Vec<T> {
 
 #[test]
 fn special_ends_on_every_path() {
-    println!("{:?}", paths());
     let all = intervals(&ends());
     let single: Vec<_> = all.iter().map(|&x| (x, x)).collect();
     check(&UNARY, &shuffled(&single));
@@ -424,6 +435,130 @@ impl Kernel<Interval8> for Questions<'_> {
         let Questions(a, b, mask) = self;
         let answers: [MaskOf<A>; 3] = [A::is_empty(a), A::is_positive(a), A::contains_zero(a)];
         (answers, A::select(mask, a, b))
+    }
+}
+
+/// One factor for all lanes.
+struct Scale<'a>(&'a [Interval8], Interval, &'a mut Vec<Interval8>);
+
+impl Kernel<Interval8> for Scale<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arithmetic<Value = Interval8>>(self) {
+        let Scale(all, factor, out) = self;
+        out.clear();
+        for a in all {
+            out.push(A::scale(a, factor));
+        }
+    }
+}
+
+/// Special ends and random ones, times factors of every sign: the cheap products and the general ones.
+#[test]
+fn products_with_one_factor_on_every_path() {
+    let mut source = Source(0x5ca1_e000);
+    let special = intervals(&ends());
+    let some = |source: &mut Source| interval(source);
+    let mut arguments: Vec<Interval> = (0..1024).map(|_| some(&mut source)).collect();
+    arguments.extend(shuffled(&special));
+    let packed = pack(arguments.into_iter());
+    let mut factors: Vec<Interval> = (0..rounds(100)).map(|_| some(&mut source)).collect();
+    // Factors that are not negative have code of their own.
+    factors.extend((0..rounds(100)).map(|_| some(&mut source).abs()));
+    factors.extend(shuffled(&special).into_iter().step_by(3));
+    let mut out = Vec::new();
+    for factor in factors {
+        for path in paths() {
+            path.run(Scale(&packed, factor, &mut out)).unwrap();
+            for (a, result) in packed.iter().zip(&out) {
+                for lane in 0..LANES {
+                    let (x, found) = (a.get(lane), result.get(lane));
+                    assert!(
+                        found == x * factor,
+                        "{path:?} {x:?} * {factor:?}: {found:?}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// The methods that need no arithmetic, and the operators of the chosen path, against the scalar ones.
+fn check_methods(a: &Interval8, b: &Interval8, mask: Mask) {
+    let ends = (a.lo(), a.hi());
+    let (mid, width, mag) = (a.mid(), a.width(), a.mag());
+    let point = Interval8::point(ends.0);
+    let between = Interval8::between(ends.0, b.hi());
+    let (chosen, mut assigned) = (a.or_else(mask, b), *b);
+    assigned.assign(mask, a);
+    let sets = [
+        -*a,
+        *a + *b,
+        *a - *b,
+        *a * *b,
+        *a / *b,
+        a.intersect(b),
+        a.hull(b),
+    ];
+    let claims = [
+        a.is_empty(),
+        a.contains_zero(),
+        a.is_bounded(),
+        a.is_subset_of(b),
+        a.is_interior_of(b),
+        a.intersects(b),
+    ];
+    for lane in 0..LANES {
+        let (x, y) = (a.get(lane), b.get(lane));
+        assert_eq!((ends.0[lane], ends.1[lane]), (x.lo(), x.hi()), "{x:?}");
+        let numbers = (mid[lane], width[lane], mag[lane]);
+        assert_eq!(numbers, (x.mid(), x.width(), x.mag()), "{x:?}");
+        assert_eq!(point.get(lane), Interval::point(x.lo()), "{x:?}");
+        let wanted = Interval::new(x.lo(), y.hi()).unwrap_or(Interval::EMPTY);
+        assert_eq!(between.get(lane), wanted, "{x:?} {y:?}");
+        let wanted = if mask.get(lane) { x } else { y };
+        assert_eq!((chosen.get(lane), assigned.get(lane)), (wanted, wanted));
+        let scalar = [-x, x + y, x - y, x * y, x / y, x.intersect(y), x.hull(y)];
+        assert_eq!(sets.map(|set| set.get(lane)), scalar, "{x:?} {y:?}");
+        let scalar = [
+            x.is_empty(),
+            x.contains(0.0),
+            x.is_bounded(),
+            x.is_subset_of(y),
+            x.is_interior_of(y),
+            !x.is_disjoint_from(y),
+        ];
+        assert_eq!(claims.map(|claim| claim.get(lane)), scalar, "{x:?} {y:?}");
+    }
+}
+
+#[test]
+fn methods_of_eight_are_those_of_one() {
+    let mut source = Source(0x3e7_40d5);
+    let special = shuffled(&intervals(&ends()));
+    let packed = pack(special.iter().copied());
+    for a in &packed {
+        // The same ends, and any others.
+        for shift in 0..64 {
+            let from = source.below(special.len() as u64) as usize;
+            let b = Interval8::from_fn(|lane| match shift {
+                0 => a.get(lane),
+                _ => special[(from + lane * 7) % special.len()],
+            });
+            check_methods(a, &b, Mask::from_bits(source.bits() as u8));
+        }
+    }
+    for mask in [Mask::NONE, Mask::ALL] {
+        check_methods(&packed[0], &packed[1], mask);
+    }
+    for _ in 0..rounds(100_000) {
+        let mut eight = || Interval8::from_fn(|_| interval(&mut source));
+        let (a, mut b) = (eight(), eight());
+        // Inner and outer sets with a common end.
+        let lane = source.below(LANES as u64) as usize;
+        b.set(lane, a.get(lane).hull(b.get(lane)));
+        check_methods(&a, &b, Mask::from_bits(source.bits() as u8));
     }
 }
 

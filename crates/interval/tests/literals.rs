@@ -198,6 +198,11 @@ fn what_is_no_interval_is_refused() {
             "[0x1p99999999]",
             number("0x1p99999999", DecimalError::TooLarge),
         ),
+        ("[0x1p10001]", number("0x1p10001", DecimalError::TooLarge)),
+        (
+            "[0x.1p-10001]",
+            number("0x.1p-10001", DecimalError::TooLarge),
+        ),
         ("[1e99999]", number("1e99999", DecimalError::TooLarge)),
         ("?", number("", DecimalError::Empty)),
         ("[５]", number("５", unexpected('５', 0))),

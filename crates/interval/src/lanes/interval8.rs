@@ -1,6 +1,6 @@
 //! Eight intervals as a structure of arrays.
 
-use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use super::arithmetic::{Arithmetic, Kernel, Value};
 use super::{Floats, LANES, Lanewise, Mask};
@@ -74,13 +74,13 @@ impl Interval8 {
         all
     }
 
-    /// The interval in one lane.
+    /// The interval in one lane. Required: `lane < LANES`; else it panics.
     #[inline(always)]
     pub fn get(&self, lane: usize) -> Interval {
         Interval::stored(-self.neg_lo[lane], self.hi[lane])
     }
 
-    /// Puts an interval into one lane.
+    /// Puts an interval into one lane. Required: `lane < LANES`; else it panics.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, x: Interval) {
         self.neg_lo[lane] = -x.lo();
@@ -99,7 +99,8 @@ impl Interval8 {
         self.hi
     }
 
-    /// `self` in the lanes of the mask, `other` elsewhere.
+    /// A choice by the mask: `self` in its lanes, `other` elsewhere. (Arithmetics choose by
+    /// [`Arithmetic::select`]; this one needs no arithmetic.)
     #[inline(always)]
     pub fn or_else(&self, mask: Mask, other: &Interval8) -> Interval8 {
         let mut all = *other;
@@ -265,13 +266,6 @@ macro_rules! operator {
 }
 
 operator!(Add add AddKernel, Sub sub SubKernel, Mul mul MulKernel, Div div DivKernel);
-
-impl AddAssign for Interval8 {
-    #[inline]
-    fn add_assign(&mut self, other: Interval8) {
-        *self = *self + other;
-    }
-}
 
 impl Neg for Interval8 {
     type Output = Interval8;

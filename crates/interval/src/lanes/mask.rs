@@ -85,7 +85,8 @@ impl Mask {
         Mask::from_fn(|lane| lane < count)
     }
 
-    /// True in one lane.
+    /// True in one lane. Required: `lane < LANES`; other numbers are taken modulo [`LANES`], so that
+    /// nothing here can panic.
     #[inline]
     pub fn lane(lane: usize) -> Mask {
         Mask(1 << (lane % LANES))
@@ -103,7 +104,7 @@ impl Mask {
         Mask(bits)
     }
 
-    /// The truth value of one lane.
+    /// The truth value of one lane. Required: `lane < LANES`, as for [`Mask::lane`].
     #[inline(always)]
     pub fn get(self, lane: usize) -> bool {
         self.0 >> (lane % LANES) & 1 == 1

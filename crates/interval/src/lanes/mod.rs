@@ -1,13 +1,22 @@
 //! Eight intervals side by side.
 //!
-//! [`Interval8`] has the operations of [`crate::Interval`], lane by lane, and *exactly* its results:
-//! every basic operation is tight, elementary functions round to nearest before they step outward, and
-//! whatever a lane cannot prove is left to the scalar operation. So the bits of a result depend
-//! neither on the machine nor on the neighbours of a lane.
+//! Lane by lane the results are *exactly* those of [`crate::Interval`]:
+//! - `+ - * /`, `sqr`, `sqrt`, `abs`, `min`, `max` and the set operations are tight, so that there is
+//!   but one result; `sign` is exact;
+//! - elementary functions are rounded to the nearest float before they step outward, here where a
+//!   bounded error leaves no doubt about that float, there by CORE-MATH;
+//! - powers may have an end one float too far out where they are nearly a float; here only ends are
+//!   given that are so clear that the scalar one is tight, too.
 //!
-//! An operation on an [`Interval8`] runs on the widest instruction set the processor has (a
-//! [`Path`]), chosen once at run time. Whole loops over many operations are written once, as a
-//! [`Kernel`] over an [`Arithmetic`], and [`Value::run`] compiles and chooses them per path.
+//! Whatever a lane cannot prove is left to the scalar operation. So the bits of a result depend
+//! neither on the machine nor on the neighbours of a lane, if CORE-MATH always returns the nearest
+//! float, as its authors prove (an enclosure needs less: an error below one unit in the last place).
+//!
+//! [`Interval8`] itself has `+ - * /`, the set operations, questions and numbers such as the width.
+//! Everything else is in [`Arithmetic`], for a [`Kernel`]: a loop over many operations that is
+//! written once; [`Value::run`] compiles it for every instruction set (a [`Path`]) and runs it on
+//! the widest one the processor has. The elementary functions are vector code on AVX2 and AVX-512;
+//! on the portable path each lane is done by the scalar function.
 #![allow(
     clippy::indexing_slicing,
     reason = "PROOF: every array has LANES elements, and lanes are counted below LANES; places in tables are cut to the length of the table"

@@ -13,7 +13,10 @@ use super::{avx2::F64x4, avx512::F64x8};
 /// The environment variable that chooses a path by its [`Path::name`].
 const VARIABLE: &str = "VERIBOUND_LANES";
 
-/// How operations on [`Interval8`] are carried out. All paths give the same bits.
+/// How operations on [`Interval8`] are carried out.
+///
+/// All paths give the same bits, those of [`Interval`] (the sign of a zero end aside): by proof where
+/// operations are tight, and for elementary functions if CORE-MATH returns the nearest float.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Path {
     /// Error-free transformations in whatever the compilation target has.
@@ -31,7 +34,8 @@ struct Choice {
 }
 
 impl Path {
-    const ALL: [Path; 3] = [Path::Avx512, Path::Avx2, Path::Portable];
+    /// All paths, the widest first.
+    pub const ALL: [Path; 3] = [Path::Avx512, Path::Avx2, Path::Portable];
 
     /// The paths this processor has, the widest first.
     pub fn available() -> impl Iterator<Item = Path> {

@@ -8,7 +8,7 @@
 use super::vector::Vector;
 use super::{Floats, Interval8, basic};
 use crate::Interval;
-use crate::round::{LEAST, Lanes, MOST, SMALL};
+use crate::round::{Elementwise, LEAST, MOST, SMALL};
 
 /// True where products have exact errors by a fused operation and so without an upper limit.
 const FUSED: bool = cfg!(any(target_feature = "fma", target_arch = "aarch64"));
@@ -76,7 +76,7 @@ impl<const N: usize> Array<N> {
         }))
     }
 
-    /// `a b - p`, as [`Lanes::product_error`].
+    /// `a b - p`, as [`Elementwise::product_error`].
     #[inline(always)]
     fn product_error(self, other: Array<N>, p: Array<N>) -> Array<N> {
         Array(std::array::from_fn(|i| {
@@ -277,7 +277,7 @@ impl<const N: usize> Vector for Array<N> {
         }
     }
 
-    /// The requirements of [`Lanes::product_error`], which a fused operation needs only below.
+    /// The requirements of [`Elementwise::product_error`], which a fused operation needs only below.
     ///
     /// With it a product that overflows to `+inf` has the error `-inf` or NaN and stays; one that
     /// is `-inf` stays or gives `f64::MIN`.
@@ -310,7 +310,7 @@ impl<const N: usize> Vector for Array<N> {
     }
 
     /// The remainder `n - q d` has the sign of `n / d - q`; it is exact for ordinary operands and
-    /// `n = 0` (`remainder` in the module `kernel`).
+    /// `n = 0` (`remainder` in `round::upward`).
     #[inline(always)]
     fn quotient(self, divisor: Array<N>) -> (Nearest<N>, Bits<N>) {
         let value = self.with(divisor, |n, d| n / d);

@@ -77,8 +77,11 @@ pub(super) trait Vector: Copy {
     fn root(self) -> (Self::Upper, Self::Mask);
     /// The negated square root.
     fn negated_root(self) -> (Self::Upper, Self::Mask);
-    /// The longer operations of [`Interval`]: here a path says which of them are functions of their
-    /// own, because repeated in every kernel they would fill the caches, and hours of compiling.
+
+    // The longer operations of [`Interval`]. A path may replace each of them: by vector code, where it
+    // has any, and by a function of its own, since a copy in every kernel would fill the caches and
+    // take long to compile.
+
     #[inline(always)]
     fn mul(a: &Interval8, b: &Interval8) -> Interval8 {
         basic::mul::<Self>(a, b)

@@ -1,11 +1,11 @@
 //! Powers in twice the precision of floats: the fast way to a tight end.
 
-use crate::round::{Lanes, Pair};
+use crate::round::{Elementwise, Pair};
 
 /// The largest exponent for which the error is small enough to be forgotten.
 const MOST: u32 = 64;
 
-/// Numbers `(high + low) (1 + θ)` with `|θ| <= 65 2^-102`, one in each lane; `|low| <= 2^-53 |high|`.
+/// Numbers `(high + low) (1 + θ)` with `|θ| <= 65 2^-102`, one for each end; `|low| <= 2^-53 |high|`.
 ///
 /// Valid where `high` is in [`ORDINARY`]: the factors on the way lie between 1 and the power.
 #[derive(Clone, Copy)]
@@ -93,7 +93,7 @@ impl Near {
         }
     }
 
-    /// The tight lower bound in the first lane.
+    /// The tight lower bound in the first place.
     #[inline]
     pub(super) fn down(self) -> Option<f64> {
         bound(
@@ -104,7 +104,7 @@ impl Near {
         )
     }
 
-    /// The tight upper bound in the second lane.
+    /// The tight upper bound in the second place.
     #[inline]
     pub(super) fn up(self) -> Option<f64> {
         bound(

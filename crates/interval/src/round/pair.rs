@@ -4,9 +4,9 @@
 //! without branches: the compiler puts them into one vector register (measured: no slower than the
 //! vector instructions written by hand, and no unsafe code).
 
-use super::lanes::Lanes;
+use super::elementwise::Elementwise;
 
-/// Two lanes.
+/// Two floats.
 #[derive(Clone, Copy)]
 pub(crate) struct Pair(f64, f64);
 
@@ -27,7 +27,7 @@ impl Pair {
     }
 }
 
-impl Lanes for Pair {
+impl Elementwise for Pair {
     type Mask = (bool, bool);
 
     #[inline(always)]

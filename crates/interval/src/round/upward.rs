@@ -1,10 +1,13 @@
-//! The tight directed operations on ordinary operands, for any number of lanes.
+//! The tight directed operations on ordinary operands: of one float, or of both ends of an interval.
 //!
-//! Each kernel returns the tight upper bound and whether it holds: where a lane is too small, too
+//! Each function returns the tight upper bound and whether it holds: where a number is too small, too
 //! large or not finite, the caller takes the exact way. Lower bounds are upper bounds of the negated
 //! operation, since rounding to nearest is symmetric.
+//!
+//! Eight intervals ([`crate::lanes`]) have code of their own: a caller there needs an answer for each
+//! lane, not one for all.
 
-use super::lanes::Lanes;
+use super::elementwise::Elementwise;
 
 /// `2^-960`: from here on the step of [`raised`] is one float.
 pub(crate) const SMALL: f64 = f64::from_bits((1023 - 960) << 52);
@@ -16,7 +19,7 @@ pub(crate) const STEP: f64 = f64::from_bits(((1023 - 53) << 52) + 1);
 pub(crate) const LEAST: f64 = f64::from_bits((1023 - 480) << 52);
 pub(crate) const MOST: f64 = f64::from_bits((1023 + 480) << 52);
 
-/// The next float above `s` in the lanes of the mask, `s` elsewhere. Required: `|s| >= 2^-960` there.
+/// The next float above `s` where the mask is set, `s` elsewhere. Required: `|s| >= 2^-960` there.
 ///
 /// Proof. Let `2^k <= |s| < 2^(k+1)`, `u = 2^(k-52)` the distance of the floats in that range, and
 /// `w` the rounded product of `|s|` and `φ = 2^-53 (1 + 2^-52)`. Rounding is monotone, and both
@@ -26,7 +29,7 @@ pub(crate) const MOST: f64 = f64::from_bits((1023 + 480) << 52);
 /// it is only `u/2` and a little. For `|s| = 2^k` the floats below are `u/2` apart and
 /// `w = u/2 (1 + 2^-52)`. Beyond the largest float the sum rounds to infinity, as it shall.
 #[inline(always)]
-fn raised<L: Lanes>(s: L, mask: L::Mask) -> L {
+fn raised<L: Elementwise>(s: L, mask: L::Mask) -> L {
     s.plus(s.abs().times(L::splat(STEP)).kept(mask))
 }
 
@@ -36,7 +39,7 @@ fn raised<L: Lanes>(s: L, mask: L::Mask) -> L {
 /// transform. An infinity in an intermediate gives NaN or an infinity at the end, so a finite result
 /// is the exact error by Knuth's theorem.
 #[inline(always)]
-pub(super) fn sum_error<L: Lanes>(a: L, b: L, s: L) -> L {
+pub(super) fn sum_error<L: Elementwise>(a: L, b: L, s: L) -> L {
     let from_b = s.minus(a);
     a.minus(s.minus(from_b)).plus(b.minus(from_b))
 }
@@ -48,7 +51,7 @@ pub(super) fn sum_error<L: Lanes>(a: L, b: L, s: L) -> L {
 /// errors (an error of a finite sum is at most 2^970), and large sums or exact ones, for which
 /// [`raised`] is not asked to step.
 #[inline(always)]
-pub(crate) fn sum_up<L: Lanes>(a: L, b: L) -> (L, bool) {
+pub(crate) fn sum_up<L: Elementwise>(a: L, b: L) -> (L, bool) {
     let s = a.plus(b);
     let e = sum_error(a, b, s);
     let finite = L::splat(f64::MAX).above(e.abs());
@@ -62,10 +65,10 @@ pub(crate) fn sum_up<L: Lanes>(a: L, b: L) -> (L, bool) {
 /// Smallest float not below `a * b`.
 ///
 /// Proof. The residual `r = a b - p` is exact for the accepted factors
-/// ([`Lanes::product_error`]: the true product differs from `p` by a factor below 2), and its sign
+/// ([`Elementwise::product_error`]: the true product differs from `p` by a factor below 2), and its sign
 /// tells on which side of `p` the true product lies, within one float since `p` is nearest.
 #[inline(always)]
-pub(crate) fn product_up<L: Lanes>(a: L, b: L) -> (L, bool) {
+pub(crate) fn product_up<L: Elementwise>(a: L, b: L) -> (L, bool) {
     let p = a.times(b);
     let r = L::product_error(a, b, p);
     let (size_a, size_b, zero) = (a.abs(), b.abs(), L::splat(0.0));
@@ -90,7 +93,7 @@ pub(crate) fn product_up<L: Lanes>(a: L, b: L) -> (L, bool) {
 /// float, and `(a - p) - e` gives it without error. `|q| < 2^961` splits without overflow, and
 /// `|q b| > 2^-481`.
 #[inline(always)]
-fn remainder<L: Lanes>(a: L, b: L, q: L) -> L {
+fn remainder<L: Elementwise>(a: L, b: L, q: L) -> L {
     let p = q.times(b);
     a.minus(p).minus(L::product_error(q, b, p))
 }
@@ -100,7 +103,7 @@ fn remainder<L: Lanes>(a: L, b: L, q: L) -> L {
 /// Proof. `a / b - q = r / b` with the exact remainder `r`, a number of the sign of `r b`. That
 /// product does not vanish by underflow: `|r| >= ulp(q) ulp(b) > 2^-588` and `|b| >= 2^-480`.
 #[inline(always)]
-pub(crate) fn quotient_up<L: Lanes>(a: L, b: L) -> (L, bool) {
+pub(crate) fn quotient_up<L: Elementwise>(a: L, b: L) -> (L, bool) {
     let q = a.over(b);
     let r = remainder(a, b, q);
     let (size_a, size_b, zero) = (a.abs(), b.abs(), L::splat(0.0));
@@ -120,7 +123,7 @@ pub(crate) fn quotient_up<L: Lanes>(a: L, b: L) -> (L, bool) {
 ///
 /// Proof. The sign of the exact remainder `a - s^2` is the sign of `sqrt(a) - s`.
 #[inline(always)]
-pub(crate) fn root_bounds<L: Lanes>(a: L) -> (L, L, bool) {
+pub(crate) fn root_bounds<L: Elementwise>(a: L) -> (L, L, bool) {
     let s = a.root();
     let r = remainder(a, s, s);
     let zero = L::splat(0.0);

@@ -1,11 +1,8 @@
-//! What the kernels need from a number type: one float, or several side by side.
-//!
-//! A wider type (four or eight lanes) gets all kernels by implementing [`Lanes`]; a type for an
-//! instruction set with fused multiplication replaces [`Lanes::product_error`].
+//! What the proofs in `upward` ask of numbers: one float, or two side by side ([`super::Pair`]).
 
 /// A fixed number of floats with elementwise round-to-nearest arithmetic.
-pub(crate) trait Lanes: Copy {
-    /// One truth value per lane.
+pub(crate) trait Elementwise: Copy {
+    /// One truth value per float.
     type Mask: Copy;
 
     fn splat(x: f64) -> Self;
@@ -20,7 +17,7 @@ pub(crate) trait Lanes: Copy {
     fn above(self, other: Self) -> Self::Mask;
     /// `self == other`, false for NaN.
     fn equals(self, other: Self) -> Self::Mask;
-    /// The lanes where the mask is set, 0 elsewhere.
+    /// The floats where the mask is set, 0 elsewhere.
     fn kept(self, mask: Self::Mask) -> Self;
     fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
@@ -28,7 +25,7 @@ pub(crate) trait Lanes: Copy {
 
     /// `a b - p` without error, for `p` the product rounded to nearest.
     ///
-    /// Required in each lane: `|a|, |b| < 2^995`, and `2^-962 <= |a b| < 2^1001` or a factor 0.
+    /// Required of each float: `|a|, |b| < 2^995`, and `2^-962 <= |a b| < 2^1001` or a factor 0.
     ///
     /// Proof (Dekker's product with Veltkamp's splitting). `split` gives `x = h + l` exactly, where
     /// `h` and `l` have at most 26 significant bits; `(2^27 + 1) x` does not overflow. The partial
@@ -59,7 +56,7 @@ pub(crate) trait Lanes: Copy {
     }
 }
 
-impl Lanes for f64 {
+impl Elementwise for f64 {
     type Mask = bool;
 
     #[inline(always)]
