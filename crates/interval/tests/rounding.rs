@@ -224,6 +224,35 @@ fn interval_operations_are_the_hull_of_their_ends() {
     }
 }
 
+/// Width, radius and inflated ends are single directed operations: the tight ones, and outward.
+#[test]
+fn widths_and_radii_are_tight() {
+    let mut source = Source(9);
+    // The smallest float not below the largest of some differences.
+    let assert_least = |found: f64, differences: &[Dyadic], what: &str| {
+        let above = |x: f64| differences.iter().all(|d| compare(x, d) != Ordering::Less);
+        assert!(above(found), "{what}: {found:e} is too small");
+        assert!(!above(found.next_down()), "{what}: {found:e} is too large");
+    };
+    for _ in 0..CASES / 10 {
+        let (a, b) = source.floats();
+        let x = Interval::point(a).hull(Interval::point(b));
+        let difference = |a: f64, b: f64| Dyadic::of(a).plus(&Dyadic::of(-b));
+        assert_least(x.width(), &[difference(x.hi(), x.lo())], "width");
+        let mid = x.mid();
+        let sides = [difference(x.hi(), mid), difference(mid, x.lo())];
+        assert_least(x.rad(), &sides, "radius");
+        let r = source.float().abs();
+        let around = x.inflate(r);
+        assert_least(around.hi(), &[difference(x.hi(), -r)], "upper end");
+        assert_least(-around.lo(), &[difference(-x.lo(), -r)], "lower end");
+    }
+    let x = Interval::new(-1.0, 2.0).unwrap();
+    assert_eq!(x.inflate(-1.0), x);
+    assert_eq!(x.inflate(f64::NAN), Interval::ENTIRE);
+    assert_eq!(Interval::EMPTY.inflate(1.0), Interval::EMPTY);
+}
+
 #[test]
 fn powers_contain_the_exact_ones_and_are_near() {
     let mut source = Source(8);
