@@ -347,3 +347,57 @@ fn real_powers_at_points() {
         assert_encloses(found, &fixed.pow(x, y), &format!("{x:e}^{y:e}"));
     }
 }
+
+/// Sines of arcs up to a little more than a turn: an end is 1 or -1 exactly where an extreme is inside.
+#[test]
+fn arcs_of_every_length() {
+    let mut source = Source(0xa2c);
+    for _ in 0..20_000 {
+        let (lo, width) = (source.between(-20.0, 20.0), source.between(0.0, 6.6));
+        let x = interval(lo, lo + width);
+        // Turns to the next multiple, less the length: the order is clear but for rare cases.
+        let rest = |from: f64| ((from - x.lo()) / (2.0 * PI)).rem_euclid(1.0) * 2.0 * PI - width;
+        let ends = Interval::point(x.lo())
+            .sin()
+            .hull(Interval::point(x.hi()).sin());
+        for (rest, found, extreme, end) in [
+            (rest(FRAC_PI_2), x.sin().hi(), 1.0, ends.hi()),
+            (rest(-FRAC_PI_2), x.sin().lo(), -1.0, ends.lo()),
+        ] {
+            if rest.abs() > 1e-9 {
+                assert_eq!(found, if rest < 0.0 { extreme } else { end }, "{x:?}");
+            }
+        }
+    }
+}
+
+/// A few floats around a multiple of π/2 of any size: where the cosine changes its sign the sine has an
+/// extreme, and where it does not there is none.
+#[test]
+fn extremes_between_neighbouring_floats() {
+    let mut source = Source(0xa2d);
+    let mut crossed = 0;
+    for _ in 0..50_000 {
+        let size = 1 + source.below(51);
+        let k = source.below(1 << size) as f64;
+        let middle = k * FRAC_PI_2;
+        let (below, above) = (source.below(4), source.below(4));
+        let lo = (0..below).fold(middle, |x, _| x.next_down());
+        let hi = (0..above).fold(middle, |x, _| x.next_up());
+        let (slope_lo, slope_hi) = (Interval::point(lo).cos(), Interval::point(hi).cos());
+        let (up, down) = (slope_lo.lo() > 0.0, slope_lo.hi() < 0.0);
+        let (still_up, still_down) = (slope_hi.lo() > 0.0, slope_hi.hi() < 0.0);
+        let sine = interval(lo, hi).sin();
+        let ends = Interval::point(lo).sin().hull(Interval::point(hi).sin());
+        if up && still_down {
+            crossed += 1;
+            assert_eq!((sine.lo(), sine.hi()), (ends.lo(), 1.0), "{lo:e} {hi:e}");
+        } else if down && still_up {
+            crossed += 1;
+            assert_eq!((sine.lo(), sine.hi()), (-1.0, ends.hi()), "{lo:e} {hi:e}");
+        } else if hi - lo < 1.0 {
+            assert_eq!(sine, ends, "{lo:e} {hi:e}");
+        }
+    }
+    assert!(crossed > 5_000, "{crossed}");
+}
