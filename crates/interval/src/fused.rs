@@ -2,7 +2,7 @@
 
 use crate::Interval;
 use crate::interval::{larger, smaller};
-use crate::round::{add_down, add_up, from_scaled, mul_down, mul_up};
+use crate::round::{add_down, add_up, from_scaled, mul_down, mul_up, parts};
 
 impl Interval {
     /// `x y + z` for the elements, with `x` in `self`: the ends are tight, as if rounded once.
@@ -76,10 +76,4 @@ fn fused(a: f64, b: f64, c: f64, up: bool) -> f64 {
         (n2, second - first)
     };
     from_scaled(negative, m, i64::from(e), rest, up)
-}
-
-/// Sign, `m` and `e` with `|x| = m 2^e` and `2^52 <= m < 2^53`. Required: finite, not zero.
-fn parts(x: f64) -> (bool, u128, i32) {
-    let (m, e) = crate::power::significand(x.abs());
-    (x < 0.0, m, e as i32)
 }

@@ -16,7 +16,6 @@ use crate::interval::larger;
 use crate::round::{Pair, mul_down, mul_up, product_up};
 use double::Near;
 use scaled::Scaled;
-pub(crate) use scaled::significand;
 
 impl Interval {
     /// The squares of the elements: never negative, unlike `x * x`.

@@ -18,7 +18,7 @@ mod pair;
 mod upward;
 
 pub(crate) use elementwise::Elementwise;
-pub(crate) use exact::from_scaled;
+pub(crate) use exact::{from_scaled, parts};
 pub(crate) use pair::Pair;
 #[cfg(target_arch = "x86_64")]
 pub(crate) use upward::STEP;

@@ -22,12 +22,18 @@ fn exp_at(x: f64) -> Value {
 /// rounded from another value lies on the side of it that `x > k` tells.
 #[inline]
 fn exp2_at(x: f64) -> Value {
-    let rounded = core_math::exp2(x);
+    power_at(x, core_math::exp2(x), exponent_of_two)
+}
+
+/// A power with the exponent `x` that was rounded to nearest; `exponent` says of which integer a float
+/// is the exact power.
+#[inline]
+fn power_at(x: f64, rounded: f64, exponent: fn(f64) -> Option<f64>) -> Value {
     if rounded == 0.0 {
         Value::beside(0.0, true)
     } else if rounded.is_infinite() {
         Value::ABOVE
-    } else if let Some(k) = exponent_of_two(rounded) {
+    } else if let Some(k) = exponent(rounded) {
         if x == k {
             Value::exactly(rounded)
         } else {
@@ -64,20 +70,7 @@ pub(super) fn exponent_of_ten(x: f64) -> Option<f64> {
 /// [`exp2_at`].
 #[inline]
 fn exp10_at(x: f64) -> Value {
-    let rounded = core_math::exp10(x);
-    if rounded == 0.0 {
-        Value::beside(0.0, true)
-    } else if rounded.is_infinite() {
-        Value::ABOVE
-    } else if let Some(k) = exponent_of_ten(rounded) {
-        if x == k {
-            Value::exactly(rounded)
-        } else {
-            Value::beside(rounded, x > k)
-        }
-    } else {
-        Value::near(rounded)
-    }
+    power_at(x, core_math::exp10(x), exponent_of_ten)
 }
 
 #[inline]

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use crate::round::from_scaled;
+use crate::round::{from_scaled, parts};
 
 /// A positive number known by a lower bound: `m 2^e <= number <= m 2^e (1 + 2^-127)^cuts`.
 ///
@@ -134,16 +134,9 @@ impl Scaled {
 }
 
 /// `m` and `e` with `x = m 2^e` and `2^52 <= m < 2^53`, for a positive finite `x`.
-pub(crate) fn significand(x: f64) -> (u128, i64) {
-    let bits = x.to_bits();
-    let biased = (bits >> 52) as i64;
-    if biased == 0 {
-        let up = bits.leading_zeros() - 11;
-        (u128::from(bits << up), -1074 - i64::from(up))
-    } else {
-        let fraction = bits & ((1 << 52) - 1);
-        (u128::from(fraction | (1 << 52)), biased - 1075)
-    }
+fn significand(x: f64) -> (u128, i64) {
+    let (_, m, e) = parts(x);
+    (m, i64::from(e))
 }
 
 /// `a b = high 2^128 + low`, from four products of halves.

@@ -1,7 +1,7 @@
 //! Directed rounding through exact integers: slow, for every finite operand.
 
-/// Significand and exponent: `|x| = m 2^e` with `2^52 <= m < 2^53`. Required: finite, not zero.
-fn parts(x: f64) -> (bool, u128, i32) {
+/// Sign (true if negative), significand and exponent: `|x| = m 2^e` with `2^52 <= m < 2^53`. Required: finite, not zero.
+pub(crate) fn parts(x: f64) -> (bool, u128, i32) {
     let bits = x.to_bits();
     let fraction = bits & ((1 << 52) - 1);
     let biased = ((bits >> 52) & 0x7ff) as i32;
