@@ -47,21 +47,21 @@ impl Shapes {
         self.lo.iter().zip(&self.hi).map(width).product()
     }
 
-    /// For every box the volume of its hull with box `i` over the volume of the two; small means little
-    /// is added.
-    fn overestimations(&mut self, i: usize) -> &[f64] {
+    /// For every box from `first` on the volume of its hull with box `i` over the volume of the two;
+    /// small means little is added.
+    fn overestimations(&mut self, i: usize, first: usize) -> &[f64] {
         self.costs.clear();
-        self.costs.resize(self.volumes.len(), 1.0);
+        self.costs.resize(self.volumes.len() - first, 1.0);
         for (lo, hi) in self.lo.iter().zip(&self.hi) {
             let (lo_i, hi_i) = (lo[i], hi[i]);
-            for ((cost, lo), hi) in self.costs.iter_mut().zip(lo).zip(hi) {
+            for ((cost, lo), hi) in self.costs.iter_mut().zip(&lo[first..]).zip(&hi[first..]) {
                 // No NaN is among these, so a comparison will do where `f64::max` takes several.
                 let width = larger(hi_i, *hi) + larger(-lo_i, -lo);
                 *cost *= larger(width, THINNEST);
             }
         }
         let volume = self.volumes[i];
-        for (cost, other) in self.costs.iter_mut().zip(&self.volumes) {
+        for (cost, other) in self.costs.iter_mut().zip(&self.volumes[first..]) {
             *cost /= volume + other;
         }
         &self.costs
@@ -94,9 +94,7 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
         return;
     }
     let mut shapes = Shapes::new(cells, scale);
-    let mut best: Vec<Option<(usize, f64)>> = (0..cells.len())
-        .map(|i| partner(cells, &mut shapes, i, across_modes))
-        .collect();
+    let mut best = partners(cells, &mut shapes, across_modes);
     let mut to_keep = Vec::new();
     while cells.len() > target {
         let cheapest = best
@@ -113,7 +111,7 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
         cells[keep].join(&other);
         shapes.join(keep, gone);
         to_keep.clear();
-        to_keep.extend_from_slice(shapes.overestimations(keep));
+        to_keep.extend_from_slice(shapes.overestimations(keep, 0));
         let moved = cells.len();
         for position in 0..cells.len() {
             let stale = position == keep
@@ -129,7 +127,7 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
             }
             if across_modes || cells[position].modes == cells[keep].modes {
                 let cost = to_keep[position];
-                if best[position].is_none_or(|(_, known)| cost < known) {
+                if is_better(cost, best[position]) {
                     best[position] = Some((keep, cost));
                 }
             }
@@ -137,19 +135,40 @@ pub(crate) fn merge(cells: &mut Vec<Cell>, target: usize, across_modes: bool, sc
     }
 }
 
-/// The box that is cheapest to join with box `i`.
-fn partner(
-    cells: &[Cell],
-    shapes: &mut Shapes,
-    i: usize,
-    across_modes: bool,
-) -> Option<(usize, f64)> {
-    let mut best: Option<(usize, f64)> = None;
-    for (j, &cost) in shapes.overestimations(i).iter().enumerate() {
-        if i == j || !(across_modes || cells[i].modes == cells[j].modes) {
-            continue;
+/// A box to join another one with, and the cost of that.
+type Partner = Option<(usize, f64)>;
+
+fn is_better(cost: f64, known: Partner) -> bool {
+    known.is_none_or(|(_, known)| cost < known)
+}
+
+/// For every box the one that is cheapest to join it with.
+fn partners(cells: &[Cell], shapes: &mut Shapes, across_modes: bool) -> Vec<Partner> {
+    let mut best: Vec<Partner> = vec![None; cells.len()];
+    for i in 0..cells.len() {
+        let mut own = best[i];
+        for (&cost, j) in shapes.overestimations(i, i + 1).iter().zip(i + 1..) {
+            let (for_own, for_other) = (is_better(cost, own), is_better(cost, best[j]));
+            if !(for_own || for_other) || !(across_modes || cells[i].modes == cells[j].modes) {
+                continue;
+            }
+            if for_own {
+                own = Some((j, cost));
+            }
+            if for_other {
+                best[j] = Some((i, cost));
+            }
         }
-        if best.is_none_or(|(_, known)| cost < known) {
+        best[i] = own;
+    }
+    best
+}
+
+/// The box that is cheapest to join with box `i`.
+fn partner(cells: &[Cell], shapes: &mut Shapes, i: usize, across_modes: bool) -> Partner {
+    let mut best: Partner = None;
+    for (j, &cost) in shapes.overestimations(i, 0).iter().enumerate() {
+        if is_better(cost, best) && i != j && (across_modes || cells[i].modes == cells[j].modes) {
             best = Some((j, cost));
         }
     }

@@ -9,7 +9,7 @@ use crate::graph::{Binary, ExprId, Graph, Unary};
 use crate::regular::Regular;
 use crate::tape::{Compiler, Instruction, Layout, Op, Tape};
 use veribound_interval::Interval;
-use veribound_interval::lanes::{Arithmetic, Kernel, Lanewise, MaskOf, Value};
+use veribound_interval::lanes::{Arithmetic, Kernel, MaskOf, Value};
 
 /// A tape that evaluates Taylor coefficients in time.
 ///
@@ -236,11 +236,9 @@ impl Instruction {
         let mut regular = Regular::smooth();
         let value = match self.op {
             Op::Square => c.square::<A>(a, k),
-            // Series tapes have powers as products; should one be here, nothing is claimed.
-            Op::Power(_) => {
-                regular = Regular::undefined(Lanewise::splat(true));
-                A::Value::splat(Interval::ENTIRE)
-            }
+            // As tight as in range tapes, so that a series proves no less than plain ranges do.
+            Op::Power(n) if k == 0 => A::powi(c.at(a, 0), n),
+            Op::Power(_) => *c.at(b, k),
             // Constants have one coefficient only.
             Op::Binary(Binary::Add) if k > 0 && !self.moving_operands.0 => *c.at(b, k),
             Op::Binary(Binary::Add | Binary::Sub) if k > 0 && !self.moving_operands.1 => {

@@ -51,7 +51,7 @@ impl Layout {
 pub(crate) enum Op {
     Unary(Unary),
     Binary(Binary),
-    /// `a^n`; only in range tapes.
+    /// `a^n`; in series tapes `b` holds the same as a product, for the coefficients after the first.
     Power(i32),
     /// `a^2`
     Square,
@@ -87,7 +87,7 @@ pub(crate) const NO_REGISTER: u32 = u32::MAX;
 pub(crate) struct Compiler<'a> {
     graph: &'a Graph,
     layout: Layout,
-    /// Series tapes have powers as products and companions for transcendental functions.
+    /// Series tapes have powers also as products, and companions for transcendental functions.
     series: bool,
     tape: Tape,
     register_of: HashMap<ExprId, u32>,
@@ -137,26 +137,36 @@ impl Compiler<'_> {
     }
 
     fn power(&mut self, a: u32, n: i32) -> u32 {
-        if n == 2 {
-            return self.emit(Op::Square, a, NO_REGISTER);
+        match n {
+            1 => a,
+            2 => self.emit(Op::Square, a, NO_REGISTER),
+            _ if self.series => {
+                let product = self.product(a, n);
+                self.emit(Op::Power(n), a, product)
+            }
+            _ => self.emit(Op::Power(n), a, NO_REGISTER),
         }
-        if !self.series {
-            return self.emit(Op::Power(n), a, NO_REGISTER);
-        }
-        if n < 0 {
-            let one = self.constant(Interval::ONE);
-            let power = self.power(a, n.saturating_neg());
-            return self.emit(Op::Binary(Binary::Div), one, power);
-        }
-        if n == 1 {
-            return a;
-        }
-        let half = self.power(a, n / 2);
-        let square = self.emit(Op::Square, half, NO_REGISTER);
-        if n % 2 == 0 {
-            square
-        } else {
-            self.emit(Op::Binary(Binary::Mul), square, a)
+    }
+
+    /// `a^n` by multiplications and squares.
+    fn product(&mut self, a: u32, n: i32) -> u32 {
+        match n {
+            ..=-1 => {
+                let one = self.constant(Interval::ONE);
+                let product = self.product(a, n.saturating_neg());
+                self.emit(Op::Binary(Binary::Div), one, product)
+            }
+            0 => self.constant(Interval::ONE),
+            1 => a,
+            _ => {
+                let half = self.product(a, n / 2);
+                let square = self.emit(Op::Square, half, NO_REGISTER);
+                if n % 2 == 0 {
+                    square
+                } else {
+                    self.emit(Op::Binary(Binary::Mul), square, a)
+                }
+            }
         }
     }
 

@@ -2,7 +2,8 @@
 //!
 //! `cargo bench -p veribound`: box-steps per second, time per box-step, the slowest sample and the
 //! final widths, the fastest of several runs. What a later change is measured against; on a machine
-//! with other work, compare figures of one run only.
+//! with other work, compare figures of one run only. `cargo bench -p veribound -- 50` asks for one
+//! number of boxes alone.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -54,7 +55,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!(
         "boxes | seconds | box-steps/s | ns/box-step | worst sample ms | longest list | widths"
     );
-    for boxes in [10, 50, 200] {
+    let asked: Vec<usize> = std::env::args().filter_map(|a| a.parse().ok()).collect();
+    let counts = if asked.is_empty() {
+        vec![10, 50, 200]
+    } else {
+        asked
+    };
+    for boxes in counts {
         let options = ObserverOptions {
             boxes,
             ..ObserverOptions::default()

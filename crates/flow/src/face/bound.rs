@@ -19,12 +19,25 @@ pub(super) struct Bound {
     pub(super) plans: Vec<Plan>,
     /// What unknown monotonicity adds to the velocity.
     pub(super) slack: Interval8,
+    /// The boxes in which that is something.
+    pub(super) slack_in: Mask,
     /// Values during the step.
     pub(super) range: Interval8,
-    /// Taylor coefficients of the comparison solution.
-    pub(super) coefficients: Vec<Interval8>,
-    pub(super) remainder: Interval8,
+    /// Where the comparison solution is during the step, as far as one round of Picard's iteration
+    /// says.
+    pub(super) image: Interval8,
+    /// Taylor coefficients of the comparison solution, see [`Along`].
+    coefficients: [Vec<Interval8>; 2],
     pub(super) end: Floats,
+}
+
+/// Where the Taylor coefficients of comparison solutions are taken.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Along {
+    /// Where the bounds start.
+    Start,
+    /// Everywhere they are during the step.
+    Range,
 }
 
 /// A comparison equation: where the states that its right-hand side depends on come from.
@@ -75,10 +88,30 @@ impl Bound {
             series: Mask::NONE,
             plans: right_hand_sides.iter().map(plan).collect(),
             slack: Interval8::ZERO,
+            slack_in: Mask::NONE,
             range: Interval8::ZERO,
-            coefficients: vec![Interval8::ZERO; order + 2],
-            remainder: Interval8::ZERO,
+            image: Interval8::ZERO,
+            coefficients: [(); 2].map(|()| vec![Interval8::ZERO; order + 2]),
             end: [0.0; LANES],
+        }
+    }
+
+    /// Taylor coefficients of the comparison solution.
+    #[inline(always)]
+    pub(super) fn coefficients(&self, along: Along) -> &[Interval8] {
+        let [start, range] = &self.coefficients;
+        match along {
+            Along::Start => start,
+            Along::Range => range,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn coefficients_mut(&mut self, along: Along) -> &mut [Interval8] {
+        let [start, range] = &mut self.coefficients;
+        match along {
+            Along::Start => start,
+            Along::Range => range,
         }
     }
 
@@ -86,6 +119,7 @@ impl Bound {
     pub(super) fn reset(&mut self) {
         self.series = Mask::NONE;
         self.slack = Interval8::ZERO;
+        self.slack_in = Mask::NONE;
         for plan in &mut self.plans {
             plan.lanes = Mask::NONE;
             for source in &mut plan.sources {

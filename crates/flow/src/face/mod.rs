@@ -126,8 +126,7 @@ impl System {
                 face.begin(bounds, step.lanes);
             });
         }
-        self.enclose_series_ranges(step, faces, registers);
-        self.expand_series(step.dt, faces, registers);
+        self.move_series(step, faces, registers);
         let whole = Interval::ZERO.hull(step.dt);
         // The plain bounds with the hull of all velocities hold as well.
         let velocity = &step.apriori.velocity;

@@ -4,7 +4,7 @@
     reason = "PROOF: states, right-hand sides and quantities are positions in the system's lists"
 )]
 
-use super::bound::{Bound, Source, assign, groups};
+use super::bound::{Along, Bound, Source, assign, groups};
 use super::{Face, Faces, Step};
 use crate::side::Side;
 use crate::system::{Registers, System};
@@ -19,29 +19,34 @@ impl Face<'_> {
     /// Chooses how both bounds of the state advance: as a series where one smooth right-hand side
     /// is certain.
     pub(super) fn begin(&mut self, bounds: &mut [Bound; 2], lanes: Mask) {
+        let levels = &self.system.guards.levels[self.state];
         let mut inside = [Mask::NONE; 2];
-        let runs = Side::BOTH.map(|side| {
+        let mut runs = [None, None];
+        for side in Side::BOTH {
             let bound = &mut bounds[side.index()];
             bound.reset();
             bound.origin = side.ends(&self.q[self.state]);
             bound.start = bound.origin;
-            let mut run = self.start_roughly(side, bound, lanes);
-            bound.cell = run.cell;
-            for (cell, group) in groups(run.cell, lanes) {
+            bound.cell = bound.origin.map(|origin| levels.cell(origin));
+            for (cell, group) in groups(bound.cell, lanes) {
                 inside[side.index()] |= if cell % 2 == 1 {
                     let next = self.at_zone(side, cell / 2, group);
                     let at_once = Mask::at_most(&next.after, &[0.0; LANES]);
                     let entering = group & next.enter & at_once;
                     assign(&mut bound.cell, entering, &next.cell);
                     assign(&mut bound.start, entering, &next.from);
-                    self.pass_zone(&mut run, cell, group.without(entering), &next);
+                    let others = group.without(entering);
+                    if !others.none() {
+                        let run = runs[side.index()]
+                            .get_or_insert_with(|| self.start_roughly(side, bound, lanes));
+                        self.pass_zone(run, cell, others, &next);
+                    }
                     entering
                 } else {
                     group
                 };
             }
-            run
-        });
+        }
         // Bounds in the same cell share what is found out about it.
         let mut surveyed = [Mask::NONE; 2];
         for side in Side::BOTH {
@@ -61,9 +66,11 @@ impl Face<'_> {
                 self.survey_cell(cell, each, bounds);
             }
         }
-        for (run, bound) in runs.into_iter().zip(bounds) {
+        for (side, run) in Side::BOTH.into_iter().zip(runs) {
+            let bound = &mut bounds[side.index()];
             let rough = lanes.without(bound.series);
             if !rough.none() {
+                let run = run.unwrap_or_else(|| self.start_roughly(side, bound, lanes));
                 self.finish_run(run, bound, rough);
             }
         }
@@ -143,6 +150,7 @@ impl Face<'_> {
         let planned = lanes & smooth & slack.is_bounded();
         plan.lanes |= planned;
         bound.slack.assign(planned, &slack);
+        bound.slack_in |= planned.without(slack.is_subset_of(&Interval8::ZERO));
         assign(&mut bound.cell, planned, &[cell; LANES]);
         bound.range.assign(planned, &Interval8::point(bound.start));
         bound.series |= planned;
@@ -150,10 +158,9 @@ impl Face<'_> {
 }
 
 impl Faces {
-    /// Coefficient `k` of what a comparison equation reads of a state; over the whole step where
-    /// `ranges`.
+    /// Coefficient `k` of what a comparison equation reads of a state.
     #[inline(always)]
-    fn source(&self, state: usize, source: &Source, k: usize, ranges: bool) -> Interval8 {
+    fn source(&self, state: usize, source: &Source, k: usize, along: Along) -> Interval8 {
         let mut value = if k == 0 {
             source.constant
         } else {
@@ -164,13 +171,8 @@ impl Faces {
                 continue;
             }
             let bound = &self.bounds[state][side.index()];
-            let moving = lanes & bound.series;
+            value.assign(lanes & bound.series, &bound.coefficients(along)[k]);
             let resting = lanes.without(bound.series);
-            if k == 0 && ranges {
-                value.assign(moving, &bound.range);
-            } else {
-                value.assign(moving, &bound.coefficients[k]);
-            }
             if !resting.none() {
                 let rest = if k == 0 {
                     Interval8::point(side.ends(&bound.range))
@@ -185,43 +187,81 @@ impl Faces {
 }
 
 impl System {
-    /// Range of every comparison solution over the step, by Picard's iteration for all of them
-    /// together; those for which it fails, or that reach a level, move with constant rates.
-    pub(super) fn enclose_series_ranges(
+    /// Moves every bound with a comparison equation to the end of the step, as a Taylor series:
+    /// `V(dt) ∈ Σ_(k<=ν) c_k dt^k + c_(ν+1) dt^(ν+1)`, the last coefficient taken over its whole
+    /// range. Bounds for whose range there is no proof, or that reach a level, move with constant
+    /// rates.
+    pub(super) fn move_series(
         &self,
         step: &Step<'_>,
         faces: &mut Faces,
         registers: &mut Registers,
     ) {
-        let span = Interval::ZERO.hull(step.dt);
-        let mut open = step.lanes;
+        let order = faces.order;
+        let expand = |along, from, to, faces: &mut Faces, registers: &mut Registers| {
+            Interval8::run(Expansion {
+                system: self,
+                span: Interval::ZERO.hull(step.dt),
+                lanes: step.lanes,
+                along,
+                from,
+                to,
+                faces,
+                registers,
+            });
+        };
+        expand(Along::Start, 0, order, faces, registers);
+        let lost = self.enclose_ranges(step, faces, registers);
+        if !lost.none() {
+            // Other bounds were expanded along with those that move with constant rates now.
+            expand(Along::Start, 0, order, faces, registers);
+            expand(Along::Range, 0, 1, faces, registers);
+        }
+        expand(Along::Range, 1, order + 1, faces, registers);
+        Interval8::run(Sum { dt: step.dt, faces });
+    }
+
+    /// Range of every comparison solution over the step, by Picard's iteration for all of them
+    /// together, and its velocity there. Returns the boxes with a bound that lost its series.
+    fn enclose_ranges(
+        &self,
+        step: &Step<'_>,
+        faces: &mut Faces,
+        registers: &mut Registers,
+    ) -> Mask {
+        for (pair, tube) in faces.bounds.iter_mut().zip(&step.apriori.tube) {
+            for bound in pair {
+                let guess = generous(&bound.image).intersect(tube);
+                bound.range.assign(bound.series, &guess);
+            }
+        }
+        let (mut open, mut all_lost) = (step.lanes, Mask::NONE);
         for round in 0..SERIES_ROUNDS {
+            Interval8::run(Expansion {
+                system: self,
+                span: Interval::ZERO.hull(step.dt),
+                lanes: open,
+                along: Along::Range,
+                from: 0,
+                to: 1,
+                faces,
+                registers,
+            });
             let mut unsettled = Mask::NONE;
             for state in 0..self.layout.states {
                 for side in Side::BOTH {
-                    let series = open & faces.bounds[state][side.index()].series;
+                    let bound = &mut faces.bounds[state][side.index()];
+                    let series = open & bound.series;
                     if series.none() {
                         continue;
                     }
-                    let (image, velocity, known) = Interval8::run(Picard {
-                        system: self,
-                        which: Which {
-                            state,
-                            side,
-                            lanes: series,
-                        },
-                        span,
-                        faces,
-                        registers,
-                    });
-                    let bound = &mut faces.bounds[state][side.index()];
+                    let image = bound.image;
                     let tube = &step.apriori.tube[state];
-                    let good = known
+                    let good = image.is_bounded()
                         & image.is_subset_of(tube)
                         & self.keeps_to_cell(state, side, bound, &image, series);
-                    let settled = good & image.is_subset_of(&bound.range);
                     // The last round is the one in which no range changed any more.
-                    bound.coefficients[1].assign(settled, &velocity);
+                    let settled = good & image.is_subset_of(&bound.range);
                     unsettled |= series.without(settled);
                     let mut lost = series.without(good);
                     let growing = good.without(settled);
@@ -233,12 +273,13 @@ impl System {
                     } else {
                         lost |= growing;
                     }
+                    all_lost |= lost;
                     self.give_up_series(step, (state, side), lost, faces, registers);
                 }
             }
             open = unsettled;
             if open.none() {
-                return;
+                return all_lost;
             }
         }
         // Some range was still growing in the last round: no series is proved.
@@ -248,6 +289,7 @@ impl System {
                 self.give_up_series(step, (state, side), lost, faces, registers);
             }
         }
+        all_lost | open
     }
 
     /// Where the comparison solution keeps to the cell in which its corners were fixed.
@@ -273,44 +315,21 @@ impl System {
         keeps
     }
 
-    /// Taylor series of all comparison solutions side by side, with the remainder taken over
-    /// their ranges: `V(dt) ∈ Σ_(k<=ν) c_k dt^k + c_(ν+1)(range) dt^(ν+1)`.
-    pub(super) fn expand_series(&self, dt: Interval, faces: &mut Faces, registers: &mut Registers) {
-        Interval8::run(Expansion {
-            system: self,
-            dt,
-            faces,
-            registers,
-        });
-    }
-}
-
-/// One bound of one state.
-#[derive(Clone, Copy)]
-struct Which {
-    state: usize,
-    side: Side,
-    /// The boxes for which it is wanted.
-    lanes: Mask,
-}
-
-impl System {
-    /// Coefficient `k` of the right-hand side of a comparison equation, and where it is smooth.
+    /// Coefficient `k` of the right-hand side of a comparison equation; everything where it is not
+    /// smooth.
     #[inline(always)]
     fn comparison<A: Arithmetic<Value = Interval8>>(
         &self,
-        which: Which,
+        (state, side): (usize, Side),
         k: usize,
-        ranges: bool,
+        along: Along,
         faces: &Faces,
         registers: &mut Registers,
-    ) -> (Interval8, Mask) {
-        let Which { state, side, lanes } = which;
+    ) -> Interval8 {
         let bound = &faces.bounds[state][side.index()];
         let mut velocity = Interval8::ENTIRE;
-        let mut smooth = Mask::NONE;
         for (rhs, plan) in bound.plans.iter().enumerate() {
-            let group = plan.lanes & lanes;
+            let group = plan.lanes & bound.series;
             if group.none() {
                 continue;
             }
@@ -318,49 +337,31 @@ impl System {
             let scratch = &mut registers.series[state][rhs][side.index()];
             for (source, &position) in plan.sources.iter().zip(&tapes.moving_positions) {
                 let quantity = tapes.series_quantities[position];
-                let value = faces.source(quantity, source, k, ranges);
+                let value = faces.source(quantity, source, k, along);
                 tapes.series.set_quantity(position, k, value, scratch);
             }
             let regular = tapes.series.compute::<A>(k, scratch);
-            velocity.assign(group, &tapes.series.output(0, k, scratch));
-            smooth |= group & regular.is_smooth();
+            let value = tapes.series.output(0, k, scratch);
+            velocity.assign(group & regular.is_smooth(), &value);
         }
-        if k == 0 && bound.slack != Interval8::ZERO {
+        if k == 0 && !bound.slack_in.none() {
             velocity = A::add(&velocity, &bound.slack);
         }
-        (velocity, smooth)
+        velocity
     }
 }
 
-/// Where a comparison solution is during the step, if it is in its range, and its velocity then; and
-/// where that is proved.
-struct Picard<'a> {
-    system: &'a System,
-    which: Which,
-    span: Interval,
-    faces: &'a Faces,
-    registers: &'a mut Registers,
-}
-
-impl Kernel<Interval8> for Picard<'_> {
-    type Output = (Interval8, Interval8, Mask);
-
-    #[inline(always)]
-    fn run<A: Arithmetic<Value = Interval8>>(self) -> (Interval8, Interval8, Mask) {
-        let Which { state, side, .. } = self.which;
-        let (velocity, known) =
-            self.system
-                .comparison::<A>(self.which, 0, true, self.faces, self.registers);
-        let start = Interval8::point(self.faces.bounds[state][side.index()].start);
-        let image = A::add(&start, &A::scale(&velocity, self.span));
-        (image, velocity, known & velocity.is_bounded())
-    }
-}
-
-/// [`System::expand_series`]
+/// Taylor coefficients `from + 1` to `to` of all comparison solutions side by side.
+///
+/// Those of the boxes in `lanes` are wanted; the others get the ones they have already.
 struct Expansion<'a> {
     system: &'a System,
-    dt: Interval,
+    /// Times of the step.
+    span: Interval,
+    lanes: Mask,
+    along: Along,
+    from: usize,
+    to: usize,
     faces: &'a mut Faces,
     registers: &'a mut Registers,
 }
@@ -369,72 +370,71 @@ impl Kernel<Interval8> for Expansion<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn run<A: Arithmetic<Value = Interval8>>(mut self) {
-        let order = self.faces.order;
-        // Over the ranges Picard's iteration has left the velocities.
-        for (ranges, first, last) in [(true, 1, order + 1), (false, 0, order)] {
-            self.coefficients::<A>(ranges, first, last);
-            for bound in self.faces.bounds.iter_mut().flatten() {
-                if ranges {
-                    bound.remainder = bound.coefficients[last];
+    fn run<A: Arithmetic<Value = Interval8>>(self) {
+        let Expansion {
+            system,
+            span,
+            lanes,
+            along,
+            from,
+            to,
+            faces,
+            registers,
+        } = self;
+        if from == 0 {
+            for bound in faces.bounds.iter_mut().flatten() {
+                bound.coefficients_mut(along)[0] = match along {
+                    Along::Start => Interval8::point(bound.start),
+                    Along::Range => bound.range,
+                };
+            }
+        }
+        for k in from..to {
+            for state in 0..system.layout.states {
+                for side in Side::BOTH {
+                    if (lanes & faces.bounds[state][side.index()].series).none() {
+                        continue;
+                    }
+                    let mut value =
+                        system.comparison::<A>((state, side), k, along, faces, registers);
+                    if k > 0 {
+                        value = A::scale(&value, faces.reciprocals[k]);
+                    }
+                    let bound = &mut faces.bounds[state][side.index()];
+                    bound.coefficients_mut(along)[k + 1] = value;
+                    if k == 0 {
+                        let start = Interval8::point(bound.start);
+                        bound.image = A::add(&start, &A::scale(&value, span));
+                    }
                 }
             }
         }
+    }
+}
+
+/// The end of every comparison solution.
+struct Sum<'a> {
+    dt: Interval,
+    faces: &'a mut Faces,
+}
+
+impl Kernel<Interval8> for Sum<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arithmetic<Value = Interval8>>(self) {
+        let order = self.faces.order;
         for pair in &mut self.faces.bounds {
             for side in Side::BOTH {
                 let bound = &mut pair[side.index()];
                 if bound.series.none() {
                     continue;
                 }
-                let mut sum = bound.remainder;
-                for coefficient in bound.coefficients[..=order].iter().rev() {
+                let mut sum = bound.coefficients(Along::Range)[order + 1];
+                for coefficient in bound.coefficients(Along::Start)[..=order].iter().rev() {
                     sum = A::add(coefficient, &A::scale(&sum, self.dt));
                 }
                 assign(&mut bound.end, bound.series, &side.ends(&sum));
-            }
-        }
-    }
-}
-
-impl Expansion<'_> {
-    /// Coefficients after `first` up to `last` of every comparison solution, along it or over its
-    /// whole range.
-    #[inline(always)]
-    fn coefficients<A: Arithmetic<Value = Interval8>>(
-        &mut self,
-        ranges: bool,
-        first: usize,
-        last: usize,
-    ) {
-        for bound in self.faces.bounds.iter_mut().flatten() {
-            bound.coefficients[0] = if ranges {
-                bound.range
-            } else {
-                Interval8::point(bound.start)
-            };
-        }
-        for k in first..last {
-            let reciprocal = self.faces.reciprocals[k];
-            for state in 0..self.system.layout.states {
-                for side in Side::BOTH {
-                    let lanes = self.faces.bounds[state][side.index()].series;
-                    if lanes.none() {
-                        continue;
-                    }
-                    let which = Which { state, side, lanes };
-                    let (value, smooth) =
-                        self.system
-                            .comparison::<A>(which, k, ranges, self.faces, self.registers);
-                    let value = if k == 0 {
-                        value
-                    } else {
-                        A::scale(&value, reciprocal)
-                    };
-                    // The ranges were accepted with a smooth right-hand side on them; were it
-                    // otherwise, the unbounded coefficient says so and loses nothing.
-                    let value = value.or_else(smooth, &Interval8::ENTIRE);
-                    self.faces.bounds[state][side.index()].coefficients[k + 1] = value;
-                }
             }
         }
     }

@@ -17,6 +17,23 @@ pub struct Interval8 {
     pub(super) hi: Floats,
 }
 
+/// All bits of the lanes that a mask of four names: it costs less than to take the mask apart.
+const WHOLE: [[u64; LANES / 2]; 16] = {
+    let mut table = [[0; LANES / 2]; 16];
+    let mut bits = 0;
+    while bits < 16 {
+        let mut lane = 0;
+        while lane < LANES / 2 {
+            if bits >> lane & 1 == 1 {
+                table[bits][lane] = u64::MAX;
+            }
+            lane += 1;
+        }
+        bits += 1;
+    }
+    table
+};
+
 impl Interval8 {
     /// The empty set in every lane.
     pub const EMPTY: Interval8 = Interval8::splat(Interval::EMPTY);
@@ -48,7 +65,8 @@ impl Interval8 {
     /// The smallest enclosure of one float per lane, as [`Interval::point`].
     #[inline(always)]
     pub fn point(x: Floats) -> Interval8 {
-        if x.iter().all(|x| x.is_finite()) {
+        const LARGEST: Floats = [f64::MAX; LANES];
+        if Mask::at_most(&x.map(f64::abs), &LARGEST).all() {
             Interval8 {
                 neg_lo: x.map(|x| -x),
                 hi: x,
@@ -115,12 +133,16 @@ impl Interval8 {
         if mask.all() {
             *self = *other;
         } else if !mask.none() {
-            let keep: [u64; LANES] =
-                std::array::from_fn(|lane| if mask.get(lane) { u64::MAX } else { 0 });
             let choose = |to: &mut Floats, from: &Floats| {
-                for lane in 0..LANES {
-                    let (new, old) = (from[lane].to_bits(), to[lane].to_bits());
-                    to[lane] = f64::from_bits(new & keep[lane] | old & !keep[lane]);
+                let halves = [mask.bits() & 15, mask.bits() >> 4];
+                let ends = to
+                    .chunks_exact_mut(LANES / 2)
+                    .zip(from.chunks_exact(LANES / 2));
+                for ((to, from), half) in ends.zip(halves) {
+                    for ((to, from), keep) in to.iter_mut().zip(from).zip(WHOLE[usize::from(half)])
+                    {
+                        *to = f64::from_bits(from.to_bits() & keep | to.to_bits() & !keep);
+                    }
                 }
             };
             choose(&mut self.neg_lo, &other.neg_lo);
