@@ -1,0 +1,174 @@
+//! Symbolic derivatives, and what they tell about comparisons.
+
+use super::{Binary, ExprId, Graph, Node, Unary, Var};
+use num_traits::{Signed, Zero};
+use std::collections::HashMap;
+use veribound_interval::Interval;
+
+/// A state's value at which a comparison changes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Level {
+    /// The state.
+    pub state: usize,
+    /// The value.
+    pub expr: ExprId,
+    /// The value, enclosed.
+    pub value: Interval,
+    /// The compared expression grows with the state.
+    pub rising: bool,
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: every ExprId is made by `intern` of this graph, so its index is inside `nodes`"
+)]
+impl Graph {
+    /// Partial derivative of `e`.
+    ///
+    /// At kinks of `abs`, `min` and `max` the enclosure of the result is the generalised (Clarke)
+    /// derivative, because `sign` is the set `[-1, 1]` at zero. `sign` itself jumps; its derivative
+    /// is taken as zero, so the result may be used only where no `sign` in `e` can change.
+    pub fn derivative(&mut self, e: ExprId, var: Var) -> ExprId {
+        let zero = self.integer(0);
+        let one = self.integer(1);
+        let mut done: HashMap<ExprId, ExprId> = HashMap::new();
+        for at in self.reachable(&[e]) {
+            let slope = match *self.node(at) {
+                Node::Constant(_) | Node::Pi => zero,
+                Node::Var(v) => {
+                    if v == var {
+                        one
+                    } else {
+                        zero
+                    }
+                }
+                Node::Power(a, n) => {
+                    let factor = self.integer(i64::from(n));
+                    let power = self.powi(a, n - 1);
+                    let outer = self.mul(factor, power);
+                    self.mul(outer, done[&a])
+                }
+                Node::Unary(function, a) => self.unary_derivative(function, a, at, done[&a]),
+                Node::Binary(function, a, b) => {
+                    self.binary_derivative(function, a, b, done[&a], done[&b])
+                }
+            };
+            done.insert(at, slope);
+        }
+        done[&e]
+    }
+
+    fn unary_derivative(
+        &mut self,
+        function: Unary,
+        a: ExprId,
+        value: ExprId,
+        da: ExprId,
+    ) -> ExprId {
+        if self.is_zero(da) {
+            return da;
+        }
+        let one = self.integer(1);
+        let outer = match function {
+            Unary::Neg => return self.neg(da),
+            Unary::Sqrt => {
+                let two = self.integer(2);
+                let twice = self.mul(two, value);
+                return self.div(da, twice);
+            }
+            Unary::Exp => value,
+            Unary::Ln => return self.div(da, a),
+            Unary::Sin => self.unary(Unary::Cos, a),
+            Unary::Cos => {
+                let sine = self.unary(Unary::Sin, a);
+                self.neg(sine)
+            }
+            Unary::Tan => {
+                let square = self.powi(value, 2);
+                self.add(one, square)
+            }
+            Unary::Atan => {
+                let square = self.powi(a, 2);
+                let denominator = self.add(one, square);
+                return self.div(da, denominator);
+            }
+            Unary::Tanh => {
+                let square = self.powi(value, 2);
+                self.sub(one, square)
+            }
+            Unary::Abs => self.unary(Unary::Sign, a),
+            Unary::Sign => return self.integer(0),
+        };
+        self.mul(outer, da)
+    }
+
+    fn binary_derivative(
+        &mut self,
+        function: Binary,
+        a: ExprId,
+        b: ExprId,
+        da: ExprId,
+        db: ExprId,
+    ) -> ExprId {
+        match function {
+            Binary::Add => self.add(da, db),
+            Binary::Sub => self.sub(da, db),
+            Binary::Mul => {
+                let left = self.mul(da, b);
+                let right = self.mul(a, db);
+                self.add(left, right)
+            }
+            Binary::Div => {
+                // (a/b)' = (a' - (a/b) b') / b
+                let quotient = self.div(a, b);
+                let right = self.mul(quotient, db);
+                let numerator = self.sub(da, right);
+                if self.is_zero(numerator) {
+                    numerator
+                } else {
+                    self.div(numerator, b)
+                }
+            }
+            Binary::Min | Binary::Max => {
+                // max(a,b) = (a + b + |a - b|)/2 and min with a minus sign, hence
+                // (a' + b' ± sign(a - b) (a' - b'))/2: a at a > b, b at a < b, their segment at a tie.
+                let gap = self.sub(a, b);
+                let sign = self.unary(Unary::Sign, gap);
+                let slope_gap = self.sub(da, db);
+                let switched = self.mul(sign, slope_gap);
+                let sum = self.add(da, db);
+                let twice = if function == Binary::Max {
+                    self.add(sum, switched)
+                } else {
+                    self.sub(sum, switched)
+                };
+                let two = self.integer(2);
+                self.div(twice, two)
+            }
+        }
+    }
+
+    /// Where an expression crosses zero, if it is affine in one state and depends on nothing else.
+    pub fn level(&mut self, e: ExprId) -> Option<Level> {
+        let [Var::State(state)] = self.variables(e)[..] else {
+            return None;
+        };
+        let slope = self.derivative(e, Var::State(state));
+        let slope_value = self.as_constant(slope)?;
+        if slope_value.is_zero() {
+            return None;
+        }
+        let rising = slope_value.is_positive();
+        let zero = self.integer(0);
+        let at_zero = self.substitute(e, &|_| Some(zero));
+        let minus = self.neg(at_zero);
+        let expr = self.div(minus, slope);
+        let value = self.eval_interval(expr, &|_| Interval::ENTIRE);
+        value.is_bounded().then_some(Level {
+            state,
+            expr,
+            value,
+            rising,
+        })
+    }
+}

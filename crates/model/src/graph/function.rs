@@ -1,0 +1,99 @@
+//! Functions of one and two arguments.
+
+use veribound_interval::lanes::Arithmetic;
+
+/// Functions of one argument.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Unary {
+    /// `-a`
+    Neg,
+    /// `sqrt(a)`
+    Sqrt,
+    /// `exp(a)`
+    Exp,
+    /// Natural logarithm.
+    Ln,
+    /// `sin(a)`, a in radian
+    Sin,
+    /// `cos(a)`, a in radian
+    Cos,
+    /// `tan(a)`, a in radian
+    Tan,
+    /// `atan(a)`
+    Atan,
+    /// `tanh(a)`
+    Tanh,
+    /// `abs(a)`
+    Abs,
+    /// `sign(a)`, with the set `[-1, 1]` at zero
+    Sign,
+}
+
+/// Functions of two arguments.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Binary {
+    /// `a + b`
+    Add,
+    /// `a - b`
+    Sub,
+    /// `a * b`
+    Mul,
+    /// `a / b`
+    Div,
+    /// The smaller one.
+    Min,
+    /// The larger one.
+    Max,
+}
+
+impl Unary {
+    /// The function's name in a model file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Unary::Neg => "-",
+            Unary::Sqrt => "sqrt",
+            Unary::Exp => "exp",
+            Unary::Ln => "log",
+            Unary::Sin => "sin",
+            Unary::Cos => "cos",
+            Unary::Tan => "tan",
+            Unary::Atan => "atan",
+            Unary::Tanh => "tanh",
+            Unary::Abs => "abs",
+            Unary::Sign => "sign",
+        }
+    }
+
+    /// Every value of the function on `a`.
+    #[inline(always)]
+    pub(crate) fn apply<A: Arithmetic>(self, a: &A::Value) -> A::Value {
+        match self {
+            Unary::Neg => A::neg(a),
+            Unary::Sqrt => A::sqrt(a),
+            Unary::Exp => A::exp(a),
+            Unary::Ln => A::ln(a),
+            Unary::Sin => A::sin(a),
+            Unary::Cos => A::cos(a),
+            Unary::Tan => A::tan(a),
+            Unary::Atan => A::atan(a),
+            Unary::Tanh => A::tanh(a),
+            Unary::Abs => A::abs(a),
+            Unary::Sign => A::sign(a),
+        }
+    }
+}
+
+impl Binary {
+    /// Every value of the function on `a` and `b`.
+    #[inline(always)]
+    pub(crate) fn apply<A: Arithmetic>(self, a: &A::Value, b: &A::Value) -> A::Value {
+        match self {
+            Binary::Add => A::add(a, b),
+            Binary::Sub => A::sub(a, b),
+            Binary::Mul => A::mul(a, b),
+            Binary::Div => A::div(a, b),
+            Binary::Min => A::min(a, b),
+            Binary::Max => A::max(a, b),
+        }
+    }
+}

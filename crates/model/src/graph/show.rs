@@ -1,0 +1,112 @@
+//! Expressions in the user's words.
+
+use super::{Binary, ExprId, Graph, Node, Unary, Var};
+use num_rational::BigRational;
+use num_traits::Signed;
+
+/// Names of all quantities, to write an expression in the user's words.
+#[derive(Debug, Clone, Default)]
+pub struct Names {
+    /// State names.
+    pub states: Vec<String>,
+    /// Parameter names.
+    pub params: Vec<String>,
+    /// Input names.
+    pub inputs: Vec<String>,
+}
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: every ExprId is made by `intern` of this graph, so its index is inside `nodes`"
+)]
+impl Graph {
+    /// `e` in the user's names, with as few parentheses as its structure needs.
+    pub fn show(&self, e: ExprId, names: &Names) -> String {
+        self.show_inside(e, names, 0)
+    }
+
+    fn show_inside(&self, e: ExprId, names: &Names, outer: u8) -> String {
+        // Binding strengths: 1 sums, 2 products, 3 signs, 4 powers.
+        let (text, strength) = match self.node(e) {
+            Node::Constant(value) => {
+                let strength = if !value.is_integer() {
+                    2
+                } else if value.is_negative() {
+                    3
+                } else {
+                    9
+                };
+                match plain_decimal(value) {
+                    Some(text) => (text, if value.is_negative() { 3 } else { 9 }),
+                    None => (value.to_string(), strength),
+                }
+            }
+            Node::Pi => ("pi".to_string(), 9),
+            Node::Var(var) => (names.of(*var), 9),
+            Node::Unary(Unary::Neg, a) => (format!("-{}", self.show_inside(*a, names, 2)), 2),
+            Node::Unary(function, a) => (
+                format!("{}({})", function.name(), self.show_inside(*a, names, 0)),
+                9,
+            ),
+            Node::Power(a, n) => (format!("{}^{n}", self.show_inside(*a, names, 5)), 4),
+            Node::Binary(function, a, b) => {
+                let (symbol, strength, right) = match function {
+                    Binary::Add => (" + ", 1, 1),
+                    Binary::Sub => (" - ", 1, 2),
+                    Binary::Mul => ("*", 2, 2),
+                    Binary::Div => ("/", 2, 3),
+                    Binary::Min | Binary::Max => {
+                        let name = if *function == Binary::Min {
+                            "min"
+                        } else {
+                            "max"
+                        };
+                        let a = self.show_inside(*a, names, 0);
+                        let b = self.show_inside(*b, names, 0);
+                        return format!("{name}({a}, {b})");
+                    }
+                };
+                let left = self.show_inside(*a, names, strength);
+                let right = self.show_inside(*b, names, right);
+                (format!("{left}{symbol}{right}"), strength)
+            }
+        };
+        if strength < outer {
+            format!("({text})")
+        } else {
+            text
+        }
+    }
+}
+
+/// The decimal spelling of a rational, where it has a short one.
+fn plain_decimal(value: &BigRational) -> Option<String> {
+    let mut scaled = value.clone();
+    let ten = BigRational::from_integer(10.into());
+    for digits in 0..=18_usize {
+        if scaled.is_integer() {
+            let whole = scaled.to_integer();
+            let sign = if whole.is_negative() { "-" } else { "" };
+            let text = format!("{:0>width$}", whole.abs().to_string(), width = digits + 1);
+            let (before, after) = text.split_at(text.len() - digits);
+            let point = if digits > 0 { "." } else { "" };
+            return Some(format!("{sign}{before}{point}{after}"));
+        }
+        scaled *= &ten;
+    }
+    None
+}
+
+impl Names {
+    /// The user's name of `var`.
+    pub fn of(&self, var: Var) -> String {
+        let (list, index) = match var {
+            Var::State(i) => (&self.states, i),
+            Var::Param(i) => (&self.params, i),
+            Var::Input(i) => (&self.inputs, i),
+        };
+        list.get(index)
+            .cloned()
+            .unwrap_or_else(|| format!("{var:?}"))
+    }
+}
