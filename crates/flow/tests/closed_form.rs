@@ -309,10 +309,45 @@ fn a_chain_in_stick_stands() {
     assert!(run.states[0].width() < 0.01 + 1e-9);
 }
 
+/// Static friction above the sliding level: between the two a mass at rest may stay or start.
+#[test]
+fn friction_holds_up_to_its_static_level() {
+    let system = system(
+        r#"
+format = 1
+states = ["v"]
+inputs = ["u"]
+[init]
+v = 0
+[der]
+v = "u - friction(v, u, 1, 2)"
+[outputs]
+v_m = "v +- 0.1"
+"#,
+    );
+    for (drive, slowest, fastest) in [
+        (0.5, 0.0, 0.0),
+        (1.5, 0.0, 0.5),
+        (-1.5, -0.5, 0.0),
+        (3.0, 2.0, 2.0),
+        (2.0, 0.0, 1.0),
+        (-2.5, -1.5, -1.5),
+    ] {
+        let mut run = Run::new(&system, default(), &[Interval::ZERO], &[]);
+        for _ in 0..10 {
+            run.step(&system, &[Interval::point(drive)], 0.125);
+        }
+        let end = run.states[0];
+        let exact = interval(slowest * 1.25, fastest * 1.25);
+        assert!(exact.is_subset_of(end), "{drive}: {end} for {exact}");
+        assert!(end.is_subset_of(exact.inflate(1e-12)), "{drive}: {end}");
+    }
+}
+
 type Flow = fn(f64, f64, f64) -> f64;
 
 /// `x' = f(x, p)` and its flow `(x0, p, t)`.
-const FLOWS: [(&str, f64, f64, Flow); 20] = [
+const FLOWS: [(&str, f64, f64, Flow); 29] = [
     ("p*x", 0.7, -1.3, |x, p, t| x * (p * t).exp()),
     ("p*x", -0.7, 2.3, |x, p, t| x * (p * t).exp()),
     ("p*x*(1 - x)", 0.3, 2.0, |x, p, t| {
@@ -346,6 +381,31 @@ const FLOWS: [(&str, f64, f64, Flow); 20] = [
         (x.atan() * t.exp()).tan()
     }),
     ("tanh(x)", 0.4, 0.0, |x, _, t| (x.sinh() * t.exp()).asinh()),
+    ("sinh(x)", 0.3, 0.0, |x, _, t| {
+        2.0 * ((x / 2.0).tanh() * t.exp()).atanh()
+    }),
+    ("1/cosh(x)", 0.3, 0.0, |x, _, t| (x.sinh() + t).asinh()),
+    ("sqrt(1 - x^2)*asin(x)", 0.4, 0.0, |x, _, t| {
+        (x.asin() * t.exp()).sin()
+    }),
+    ("-sqrt(1 - x^2)*acos(x)", 0.9, 0.0, |x, _, t| {
+        (x.acos() * t.exp()).cos()
+    }),
+    ("sqrt(1 + x^2)*asinh(x)", 0.4, 0.0, |x, _, t| {
+        (x.asinh() * t.exp()).sinh()
+    }),
+    ("sqrt(x^2 - 1)*acosh(x)", 1.5, 0.0, |x, _, t| {
+        (x.acosh() * t.exp()).cosh()
+    }),
+    ("(1 - x^2)*atanh(x)", 0.4, 0.0, |x, _, t| {
+        (x.atanh() * t.exp()).tanh()
+    }),
+    ("x*log10(x)", 0.4, 0.0, |x, _, t| {
+        (x.ln() * (t / 10.0_f64.ln()).exp()).exp()
+    }),
+    ("x*log2(x)", 0.4, 0.0, |x, _, t| {
+        (x.ln() * (t / 2.0_f64.ln()).exp()).exp()
+    }),
     ("x*log(x)", 0.4, 0.0, |x, _, t| (x.ln() * t.exp()).exp()),
     ("abs(x) + max(x, p)", -0.5, -2.0, |x, _, _| x),
     ("min(x, 2) - 3*max(0, x - p)", 0.3, 0.1, |x, p, t| {

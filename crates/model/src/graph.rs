@@ -318,10 +318,20 @@ impl Graph {
                     return self.constant(size);
                 }
                 Unary::Sign if !zero => return self.integer(if negative { -1 } else { 1 }),
-                Unary::Sqrt | Unary::Sin | Unary::Tan | Unary::Atan | Unary::Tanh if zero => {
+                Unary::Sqrt
+                | Unary::Sin
+                | Unary::Tan
+                | Unary::Asin
+                | Unary::Atan
+                | Unary::Sinh
+                | Unary::Tanh
+                | Unary::Asinh
+                | Unary::Atanh
+                    if zero =>
+                {
                     return a;
                 }
-                Unary::Exp | Unary::Cos if zero => return self.integer(1),
+                Unary::Exp | Unary::Cos | Unary::Cosh if zero => return self.integer(1),
                 _ => {}
             }
         }

@@ -215,6 +215,16 @@ impl Tape {
     }
 }
 
+/// The function that stands in the derivative of this one, up to its sign.
+fn partner(function: Unary) -> Unary {
+    match function {
+        Unary::Sin => Unary::Cos,
+        Unary::Cos => Unary::Sin,
+        Unary::Sinh => Unary::Cosh,
+        _ => Unary::Sinh,
+    }
+}
+
 /// Where `a` is smaller than `b`, and where it is larger; neither where they touch, since a smaller box
 /// could then decide it the other way.
 #[inline(always)]
@@ -332,28 +342,35 @@ impl Instruction {
                     A::div(&A::sub(c.at(a, k), &known), &start)
                 }
             }
-            Unary::Sin | Unary::Cos => {
-                // The companion is the other one: sin' = cos, cos' = -sin.
+            // The companion is the other one: sin' = cos, cos' = -sin, sinh' = cosh, cosh' = sinh.
+            Unary::Sin | Unary::Cos | Unary::Sinh | Unary::Cosh => {
                 let (value, other) = if k == 0 {
-                    (A::sin(&start), A::cos(&start))
-                } else if function == Unary::Sin {
+                    (
+                        function.apply::<A>(&start),
+                        partner(function).apply::<A>(&start),
+                    )
+                } else {
                     (
                         c.integrate::<A>(a, companion, k, k),
-                        A::neg(&c.integrate::<A>(a, out, k, k)),
-                    )
-                } else {
-                    (
                         c.integrate::<A>(a, out, k, k),
-                        A::neg(&c.integrate::<A>(a, companion, k, k)),
                     )
                 };
-                let (value, other) = if function == Unary::Sin {
-                    (value, other)
-                } else {
-                    (other, value)
+                let (value, other) = match function {
+                    _ if k == 0 => (value, other),
+                    Unary::Sin => (value, A::neg(&other)),
+                    Unary::Cos => (A::neg(&value), other),
+                    _ => (value, other),
                 };
                 c.set(companion, k, other);
                 value
+            }
+            // The slope was computed before; where it does not exist, it said so.
+            Unary::Asin | Unary::Acos | Unary::Asinh | Unary::Acosh | Unary::Atanh => {
+                if k == 0 {
+                    function.apply::<A>(&start)
+                } else {
+                    c.integrate::<A>(a, self.b, k, k)
+                }
             }
             Unary::Tan | Unary::Tanh => {
                 // The companion is the outer derivative: 1 + tan², 1 - tanh².

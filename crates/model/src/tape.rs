@@ -111,7 +111,15 @@ impl Compiler<'_> {
         let out = self.register(moving);
         let needs_companion = matches!(
             op,
-            Op::Unary(Unary::Sin | Unary::Cos | Unary::Tan | Unary::Atan | Unary::Tanh)
+            Op::Unary(
+                Unary::Sin
+                    | Unary::Cos
+                    | Unary::Sinh
+                    | Unary::Cosh
+                    | Unary::Tan
+                    | Unary::Atan
+                    | Unary::Tanh
+            )
         );
         let companion = if self.series && needs_companion {
             self.register(moving)
@@ -170,6 +178,33 @@ impl Compiler<'_> {
         }
     }
 
+    /// The derivative of a function at `a`, for those whose series is the integral of that times the
+    /// velocity of `a`.
+    fn slope(&mut self, function: Unary, a: u32) -> u32 {
+        if !matches!(
+            function,
+            Unary::Asin | Unary::Acos | Unary::Asinh | Unary::Acosh | Unary::Atanh
+        ) {
+            return NO_REGISTER;
+        }
+        let one = self.constant(Interval::ONE);
+        let square = self.emit(Op::Square, a, NO_REGISTER);
+        let below = match function {
+            Unary::Asinh => self.emit(Op::Binary(Binary::Add), one, square),
+            Unary::Acosh => self.emit(Op::Binary(Binary::Sub), square, one),
+            _ => self.emit(Op::Binary(Binary::Sub), one, square),
+        };
+        let below = match function {
+            Unary::Atanh => below,
+            _ => self.emit(Op::Unary(Unary::Sqrt), below, NO_REGISTER),
+        };
+        let slope = self.emit(Op::Binary(Binary::Div), one, below);
+        match function {
+            Unary::Acos => self.emit(Op::Unary(Unary::Neg), slope, NO_REGISTER),
+            _ => slope,
+        }
+    }
+
     fn lower(&mut self, e: ExprId) {
         let register = match *self.graph.node(e) {
             Node::Constant(ref exact) => self.constant(rational_to_interval(exact)),
@@ -183,7 +218,12 @@ impl Compiler<'_> {
             }
             Node::Unary(function, a) => {
                 let a = self.register_of[&a];
-                self.emit(Op::Unary(function), a, NO_REGISTER)
+                let slope = if self.series {
+                    self.slope(function, a)
+                } else {
+                    NO_REGISTER
+                };
+                self.emit(Op::Unary(function), a, slope)
             }
             Node::Binary(function, a, b) => {
                 let (a, b) = (self.register_of[&a], self.register_of[&b]);
@@ -391,15 +431,25 @@ impl<V: Value> Kernel<V> for PropagateBack<'_, V> {
 #[inline(always)]
 fn unary_regularity<A: Arithmetic>(function: Unary, a: &A::Value) -> Regular<MaskOf<A>> {
     let of: fn(Interval) -> Regularity = match function {
-        Unary::Neg | Unary::Exp | Unary::Sin | Unary::Cos | Unary::Atan | Unary::Tanh => {
-            return Regular::smooth();
-        }
+        Unary::Neg
+        | Unary::Exp
+        | Unary::Sin
+        | Unary::Cos
+        | Unary::Atan
+        | Unary::Sinh
+        | Unary::Cosh
+        | Unary::Tanh
+        | Unary::Asinh => return Regular::smooth(),
         Unary::Sqrt | Unary::Ln | Unary::Abs | Unary::Sign if A::is_positive(a).all() => {
             return Regular::smooth();
         }
         Unary::Sqrt => domain::sqrt,
         Unary::Ln => domain::ln,
         Unary::Tan => domain::tan,
+        Unary::Asin => domain::asin,
+        Unary::Acos => domain::acos,
+        Unary::Acosh => domain::acosh,
+        Unary::Atanh => domain::atanh,
         Unary::Abs => domain::abs,
         Unary::Sign => domain::sign,
     };
@@ -433,6 +483,13 @@ fn unary_reverse<A: Arithmetic>(function: Unary, out: &A::Value, a: &A::Value) -
         Unary::Tan => Interval::tan_rev,
         Unary::Atan => Interval::atan_rev,
         Unary::Tanh => Interval::tanh_rev,
+        Unary::Asin => Interval::asin_rev,
+        Unary::Acos => Interval::acos_rev,
+        Unary::Sinh => Interval::sinh_rev,
+        Unary::Cosh => Interval::cosh_rev,
+        Unary::Asinh => Interval::asinh_rev,
+        Unary::Acosh => Interval::acosh_rev,
+        Unary::Atanh => Interval::atanh_rev,
         Unary::Abs => Interval::abs_rev,
         Unary::Sign => Interval::sign_rev,
     };

@@ -797,6 +797,57 @@ y_m = "y +- 0.01"
     inputs: &[],
 };
 
+pub const BRANCHES: Target = Target {
+    name: "if, table with a jump, dead zone, saturation",
+    text: r#"
+format = 1
+states = ["x", "v"]
+inputs = ["u"]
+[init]
+x = 0
+v = 0
+[params]
+k = [0, 3]
+c = [0, 2]
+[der]
+x = "v - 0.2*table(x, -1, -2, 0, 0, 0, 1, 1, 3)"
+v = "(if v > 0.1 then u - k*x else 2*u) - deadzone(x, 0.2) - c*sat(v, -0.3, 0.4)"
+[outputs]
+x_m = "x +- 0.01"
+"#,
+    truth: Truth {
+        states: 2,
+        f: |x, p, u, d| {
+            let table = -1.5 + 2.0 * (x[0].clamp(-1.0, 0.0) + 1.0) + 2.0 * x[0].clamp(0.0, 1.0);
+            d[0] = x[1] - 0.2 * table;
+            let dead = x[0] - x[0].clamp(-0.2, 0.2);
+            d[1] = 0.5 * (3.0 * u[0] - p[0] * x[0]) - dead - p[1] * x[1].clamp(-0.3, 0.4);
+        },
+        switches: &[
+            Switch {
+                g: |x, _, _| x[0],
+                b: |_, _, _, d| d[0] = -0.1,
+            },
+            Switch {
+                g: |x, _, _| x[1] - 0.1,
+                b: |x, p, u, d| d[1] = 0.5 * (-u[0] - p[0] * x[0]),
+            },
+        ],
+        kinks: &[
+            |x, _, _| x[0] - 1.0,
+            |x, _, _| x[0] + 1.0,
+            |x, _, _| x[0] - 0.2,
+            |x, _, _| x[0] + 0.2,
+            |x, _, _| x[1] - 0.4,
+            |x, _, _| x[1] + 0.3,
+        ],
+        longest: 2e-3,
+    },
+    states: &[(-1.3, 1.3, &[0.0, 0.2, -1.0]), (-0.6, 0.6, &[0.1, 0.0])],
+    params: &[(0.0, 3.0), (0.0, 2.0)],
+    inputs: &[(-2.0, 2.0, &[0.0])],
+};
+
 pub const TANKS: Target = Target {
     name: "tanks",
     text: r#"
@@ -927,7 +978,8 @@ pub const RIG_MIRRORED: Target = Target {
     ..RIG_SHORT
 };
 
-pub const ALL: [&Target; 21] = [
+pub const ALL: [&Target; 22] = [
+    &BRANCHES,
     &RIG_MIRRORED,
     &GATES,
     &FANNED,

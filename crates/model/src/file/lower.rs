@@ -8,7 +8,8 @@ use crate::graph::{ExprId, Graph, Unary, Var};
 use crate::model::{Guard, Relation};
 use crate::syntax::Problem;
 use crate::syntax::ast::{Arithmetic, Ast, Function, Kind};
-use num_traits::{Signed, ToPrimitive, Zero};
+use num_rational::BigRational;
+use num_traits::{One, Signed, ToPrimitive, Zero};
 
 /// Integer powers beyond this are a mistake.
 const LARGEST_POWER: i32 = 1000;
@@ -22,8 +23,39 @@ pub(crate) enum Switch {
     Friction {
         velocity: ExprId,
         drive: ExprId,
-        level: ExprId,
+        sliding: ExprId,
+        breakaway: ExprId,
     },
+    /// `if condition then yes else no`; the condition by its position in [`Lowering::conditions`].
+    Choice {
+        condition: usize,
+        yes: ExprId,
+        no: ExprId,
+    },
+}
+
+impl Switch {
+    /// What the user wrote.
+    pub fn word(self) -> &'static str {
+        match self {
+            Switch::Sign(_) => "sign",
+            Switch::Friction { .. } => "friction",
+            Switch::Choice { .. } => "if",
+        }
+    }
+
+    fn operands(self) -> Vec<ExprId> {
+        match self {
+            Switch::Sign(a) => vec![a],
+            Switch::Friction {
+                velocity,
+                drive,
+                sliding,
+                breakaway,
+            } => vec![velocity, drive, sliding, breakaway],
+            Switch::Choice { yes, no, .. } => vec![yes, no],
+        }
+    }
 }
 
 /// The graph under construction.
@@ -34,6 +66,8 @@ pub(crate) struct Lowering<'s> {
     pub lets: Vec<Option<ExprId>>,
     /// Switch `i` stands in the graph as parameter `params + i`, which no model has.
     pub switches: Vec<Switch>,
+    /// Conditions of every `if`.
+    pub conditions: Vec<Guard>,
     params: usize,
 }
 
@@ -44,6 +78,7 @@ impl<'s> Lowering<'s> {
             scope,
             lets: vec![None; lets],
             switches: Vec::new(),
+            conditions: Vec::new(),
             params,
         }
     }
@@ -68,16 +103,7 @@ impl<'s> Lowering<'s> {
                     continue;
                 };
                 if !std::mem::replace(seen, true) {
-                    match *switch {
-                        Switch::Sign(a) => open.push(a),
-                        Switch::Friction {
-                            velocity,
-                            drive,
-                            level,
-                        } => {
-                            open.extend([velocity, drive, level]);
-                        }
-                    }
+                    open.extend(switch.operands());
                 }
             }
         }
@@ -90,7 +116,7 @@ impl<'s> Lowering<'s> {
     /// right-hand side.
     ///
     /// # Errors
-    /// `friction`, which means something only in a right-hand side.
+    /// `friction` and `if`, which mean something only in a right-hand side.
     fn without_switches(
         &mut self,
         e: ExprId,
@@ -103,13 +129,15 @@ impl<'s> Lowering<'s> {
         }
         let mut values: Vec<(Var, ExprId)> = Vec::new();
         for index in used {
-            let Some(Switch::Sign(argument)) = self.switches.get(index).copied() else {
+            let switch = self.switches.get(index).copied();
+            let Some(Switch::Sign(argument)) = switch else {
+                let word = switch.map_or("friction", Switch::word);
                 problems.push(Problem::new(
                     "E0219",
-                    "`friction` can stand only in a right-hand side",
+                    format!("`{word}` can stand only in a right-hand side"),
                     ast.range.clone(),
-                    "contains `friction`",
-                    "use `friction` in [der] or in `der` of a mode only",
+                    format!("contains `{word}`"),
+                    format!("use `{word}` in [der] or in `der` of a mode only"),
                 ));
                 return None;
             };
@@ -128,9 +156,9 @@ impl<'s> Lowering<'s> {
         }
         problems.push(Problem::new(
             "E0219",
-            "a guard contains a set-valued function of the state",
+            "a condition contains a set-valued function of the state",
             ast.range.clone(),
-            "contains `sign` or `friction`",
+            "contains `sign`, `friction` or `if`",
             "compare its argument instead, as in \"omega > 0\"",
         ));
         None
@@ -202,13 +230,18 @@ impl<'s> Lowering<'s> {
                 self.power(base, exponent, ast, problems)?
             }
             Kind::Call(function, arguments) => self.call(*function, arguments, ast, problems)?,
+            Kind::If(condition, yes, no) => {
+                let condition = self.condition(condition, false, problems);
+                let (yes, no) = (self.value(yes, problems), self.value(no, problems));
+                self.choice(condition?, yes?, no?)
+            }
             _ => {
                 problems.push(Problem::new(
                     "E0116",
                     "expected a value, found a condition",
                     ast.range.clone(),
                     "a condition",
-                    "conditions belong into `when`; use sign, abs, min or max in equations",
+                    "conditions belong into `when`, or write if condition then value else value",
                 ));
                 return None;
             }
@@ -335,11 +368,7 @@ impl<'s> Lowering<'s> {
             }
             (Function::Plain(plain), [a]) => {
                 let constant = self.graph.as_constant(*a);
-                let outside = match plain {
-                    Unary::Sqrt => constant.is_some_and(Signed::is_negative),
-                    Unary::Ln => constant.is_some_and(|c| !c.is_positive()),
-                    _ => false,
-                };
+                let outside = constant.is_some_and(|c| is_outside(plain, c));
                 if outside {
                     let what = format!("`{}` of a number outside of its domain", plain.name());
                     problems.push(undefined(&what, ast, "undefined"));
@@ -357,8 +386,39 @@ impl<'s> Lowering<'s> {
                 }
                 Some(result)
             }
-            (Function::Friction, [velocity, drive, level]) => {
-                let (velocity, drive, level) = (*velocity, *drive, *level);
+            (Function::LogTo(base), [a]) => {
+                let base = self.graph.integer(base);
+                let (above, below) = (
+                    self.graph.unary(Unary::Ln, *a),
+                    self.graph.unary(Unary::Ln, base),
+                );
+                Some(self.graph.div(above, below))
+            }
+            (Function::Saturation | Function::DeadZone, [x, limits @ ..]) => {
+                let (lower, upper) = match limits {
+                    [limit] => (self.graph.neg(*limit), *limit),
+                    [lower, upper] => (*lower, *upper),
+                    _ => return None,
+                };
+                if self.are_reversed(lower, upper) {
+                    problems.push(Problem::new(
+                        "E0231",
+                        "the lower limit is above the upper one",
+                        ast.range.clone(),
+                        "limits in the wrong order",
+                        "write the lower limit first",
+                    ));
+                    return None;
+                }
+                Some(match function {
+                    Function::Saturation => self.saturation(*x, lower, upper),
+                    _ => self.dead_zone(*x, lower, upper),
+                })
+            }
+            (Function::Table, [x, points @ ..]) => self.table(*x, points, arguments, ast, problems),
+            (Function::Friction, [velocity, drive, sliding, rest @ ..]) => {
+                let (velocity, drive, sliding) = (*velocity, *drive, *sliding);
+                let breakaway = rest.first().copied().unwrap_or(sliding);
                 if !self.depends_on_state(velocity) {
                     problems.push(Problem::new(
                         "E0219",
@@ -372,12 +432,119 @@ impl<'s> Lowering<'s> {
                 Some(self.switch(Switch::Friction {
                     velocity,
                     drive,
-                    level,
+                    sliding,
+                    breakaway,
                 }))
             }
             // A wrong number of arguments was reported by the parser.
             _ => None,
         }
+    }
+
+    fn choice(&mut self, condition: Guard, yes: ExprId, no: ExprId) -> ExprId {
+        if condition == Guard::Always || yes == no {
+            return yes;
+        }
+        let known = self.conditions.iter().position(|c| *c == condition);
+        let condition = known.unwrap_or_else(|| {
+            self.conditions.push(condition);
+            self.conditions.len() - 1
+        });
+        self.switch(Switch::Choice { condition, yes, no })
+    }
+
+    fn are_reversed(&self, lower: ExprId, upper: ExprId) -> bool {
+        let ends = (self.graph.as_constant(lower), self.graph.as_constant(upper));
+        matches!(ends, (Some(lower), Some(upper)) if lower > upper)
+    }
+
+    fn saturation(&mut self, x: ExprId, lower: ExprId, upper: ExprId) -> ExprId {
+        let above = self.graph.max(x, lower);
+        self.graph.min(above, upper)
+    }
+
+    /// Zero between the limits, beyond them the distance to them.
+    fn dead_zone(&mut self, x: ExprId, lower: ExprId, upper: ExprId) -> ExprId {
+        let zero = self.graph.integer(0);
+        let (above, below) = (self.graph.sub(x, upper), self.graph.sub(x, lower));
+        let (above, below) = (self.graph.max(above, zero), self.graph.min(below, zero));
+        self.graph.add(above, below)
+    }
+
+    /// Straight lines between points, constant beyond the first and the last; two points above each
+    /// other are a jump.
+    ///
+    /// As a sum of saturated pieces, one per line: where the table is monotone so is each piece, and
+    /// ranges stay tight.
+    fn table(
+        &mut self,
+        x: ExprId,
+        points: &[ExprId],
+        arguments: &[Ast],
+        ast: &Ast,
+        problems: &mut Vec<Problem>,
+    ) -> Option<ExprId> {
+        let (pairs, []) = points.as_chunks::<2>() else {
+            problems.push(Problem::new(
+                "E0114",
+                "the last point of the table has no value",
+                arguments.last().unwrap_or(ast).range.clone(),
+                "no value for this",
+                "write points in pairs: table(x, x0, y0, x1, y1, ...)",
+            ));
+            return None;
+        };
+        let mut sum = pairs.first()?[1];
+        let (mut jumped, mut fine) = (false, true);
+        for (pair, position) in pairs.windows(2).zip((3..).step_by(2)) {
+            let [[from, before], [to, after]] = *pair else {
+                continue;
+            };
+            let width = self.graph.sub(to, from);
+            let width = self.graph.as_constant(width).cloned();
+            let rise = self.graph.sub(after, before);
+            let piece = match width {
+                Some(width) if width.is_positive() => {
+                    let run = self.graph.constant(width);
+                    let slope = self.graph.div(rise, run);
+                    let along = self.saturation(x, from, to);
+                    let along = self.graph.sub(along, from);
+                    jumped = false;
+                    self.graph.mul(slope, along)
+                }
+                Some(width) if width.is_zero() && !jumped => {
+                    jumped = true;
+                    self.step_at(x, from, rise)
+                }
+                _ => {
+                    problems.push(Problem::new(
+                        "E0230",
+                        "the points of the table are not in order",
+                        arguments.get(position).unwrap_or(ast).range.clone(),
+                        "not a number above the one before",
+                        "write numbers that grow; a number may stand twice for a jump",
+                    ));
+                    fine = false;
+                    continue;
+                }
+            };
+            sum = self.graph.add(sum, piece);
+        }
+        fine.then_some(sum)
+    }
+
+    /// 0 below `at`, `rise` above it, everything between at it.
+    fn step_at(&mut self, x: ExprId, at: ExprId, rise: ExprId) -> ExprId {
+        let gap = self.graph.sub(x, at);
+        let side = if self.depends_on_state(gap) {
+            self.switch(Switch::Sign(gap))
+        } else {
+            self.graph.unary(Unary::Sign, gap)
+        };
+        let (one, two) = (self.graph.integer(1), self.graph.integer(2));
+        let double = self.graph.add(one, side);
+        let share = self.graph.div(double, two);
+        self.graph.mul(rise, share)
     }
 
     fn depends_on_state(&self, e: ExprId) -> bool {
@@ -492,6 +659,32 @@ pub(crate) fn either(a: Guard, b: Guard) -> Guard {
             Guard::Any(list)
         }
         (a, b) => Guard::Any(vec![a, b]),
+    }
+}
+
+/// True where `guard` is not; nothing is true where `guard` always is.
+pub(crate) fn negated(guard: &Guard) -> Guard {
+    match guard {
+        Guard::Always => Guard::Any(Vec::new()),
+        Guard::Atom { expr, relation } => Guard::Atom {
+            expr: *expr,
+            relation: opposite(*relation),
+        },
+        Guard::All(parts) => Guard::Any(parts.iter().map(negated).collect()),
+        Guard::Any(parts) => Guard::All(parts.iter().map(negated).collect()),
+    }
+}
+
+/// Whether a function has no value at a number.
+fn is_outside(function: Unary, x: &BigRational) -> bool {
+    let one = BigRational::one();
+    match function {
+        Unary::Sqrt => x.is_negative(),
+        Unary::Ln => !x.is_positive(),
+        Unary::Asin | Unary::Acos => x.abs() > one,
+        Unary::Acosh => *x < one,
+        Unary::Atanh => x.abs() >= one,
+        _ => false,
     }
 }
 

@@ -3,9 +3,13 @@
 //! `sign(e)` is `+1` where `e >= 0` and `-1` where `e <= 0`: at `e = 0` both modes are active, and
 //! the convex hull of the two right-hand sides is the set that `sign(0) = [-1, 1]` gives.
 //! `friction(v, d, T)` is dry friction of level `T` at velocity `v` under the drive `d`: `T` and
-//! `-T` in the sliding modes, and `d` itself while it can hold, at `v = 0` and `|d| <= T`.
+//! `-T` in the sliding modes, and `d` itself while it can hold, at `v = 0` and `|d| <= T`. With a
+//! fourth argument it holds up to that level; the closures of the sliding modes contain `v = 0`, so where
+//! the drive is between the two levels the mass may also start: both solutions are enclosed.
+//! `if c then a else b` is a mode with `a` where `c` holds and one with `b` elsewhere; on the border both
+//! are active.
 
-use crate::file::lower::{Lowering, Switch, both, either};
+use crate::file::lower::{Lowering, Switch, both, either, negated};
 use crate::graph::{ExprId, Graph, Node, Unary, Var};
 use crate::model::{Guard, Mode, Relation};
 use num_traits::Zero;
@@ -37,14 +41,20 @@ pub(crate) fn expand(
     let mut used: Vec<usize> = der.iter().flat_map(|e| lowering.switches_in(*e)).collect();
     used.sort_unstable();
     used.dedup();
-    let branches = |index: &usize| match lowering.switches.get(*index) {
-        Some(Switch::Friction { .. }) => 3,
-        _ => 2,
-    };
-    let count = used
-        .iter()
-        .map(branches)
-        .fold(1_usize, usize::saturating_mul);
+    let mut asked = Vec::new();
+    let mut count = 1_usize;
+    for index in &used {
+        count = count.saturating_mul(match lowering.switches.get(*index) {
+            Some(Switch::Friction { .. }) => 3,
+            // One answer to a condition is the answer for every `if` that asks it.
+            Some(Switch::Choice { condition, .. }) if asked.contains(condition) => 1,
+            Some(Switch::Choice { condition, .. }) => {
+                asked.push(*condition);
+                2
+            }
+            _ => 2,
+        });
+    }
     if count > MOST_MODES {
         return Err(count);
     }
@@ -69,6 +79,8 @@ fn combination(
 ) -> Mode {
     let mut values: Vec<(Var, ExprId)> = Vec::new();
     let mut fixed: Vec<(Var, ExprId)> = Vec::new();
+    // Conditions with the answers given.
+    let mut answers: Vec<(usize, usize)> = Vec::new();
     let mut guard = guard.clone();
     let mut names: Vec<&str> = if name.is_empty() {
         Vec::new()
@@ -83,6 +95,14 @@ fn combination(
         };
         let branches = branches(lowering, switch, &values);
         let count = branches.len();
+        if let Switch::Choice { condition, .. } = switch {
+            let known = answers.iter().find(|(asked, _)| *asked == condition);
+            if let Some(branch) = known.and_then(|(_, answer)| branches.get(*answer)) {
+                values.push((lowering.placeholder(index), branch.value));
+                continue;
+            }
+            answers.push((condition, number % count));
+        }
         if let Some(branch) = branches.into_iter().nth(number % count) {
             names.push(branch.name);
             guard = both(guard, branch.guard);
@@ -135,20 +155,38 @@ fn branches(lowering: &mut Lowering, switch: Switch, values: &[(Var, ExprId)]) -
                 branch("negative", Relation::LessEqual, -1),
             ]
         }
+        Switch::Choice { condition, yes, no } => {
+            let guard = lowering.conditions.get(condition).cloned();
+            let guard = guard.unwrap_or(Guard::Always);
+            let otherwise = negated(&guard);
+            let branch = |name, guard, value| Branch {
+                name,
+                guard,
+                value,
+                fixed: None,
+            };
+            vec![
+                branch("then", guard, lowering.replaced(yes, values)),
+                branch("else", otherwise, lowering.replaced(no, values)),
+            ]
+        }
         Switch::Friction {
             velocity,
             drive,
-            level,
+            sliding,
+            breakaway,
         } => {
             let velocity = lowering.replaced(velocity, values);
             let drive = lowering.replaced(drive, values);
-            let level = lowering.replaced(level, values);
+            let sliding = lowering.replaced(sliding, values);
+            let breakaway = lowering.replaced(breakaway, values);
             let graph = &mut lowering.graph;
-            let negative_level = graph.neg(level);
-            let above = graph.sub(drive, level);
-            let below = graph.sub(drive, negative_level);
+            let against = graph.neg(sliding);
+            let lowest = graph.neg(breakaway);
+            let above = graph.sub(drive, breakaway);
+            let below = graph.sub(drive, lowest);
             let size = graph.unary(Unary::Abs, drive);
-            let beyond = graph.sub(size, level);
+            let beyond = graph.sub(size, breakaway);
             let atom = |expr, relation| Guard::Atom { expr, relation };
             let breaks = |relation, excess, side| {
                 both(atom(velocity, Relation::Equal), atom(excess, side)).with(velocity, relation)
@@ -158,7 +196,7 @@ fn branches(lowering: &mut Lowering, switch: Switch, values: &[(Var, ExprId)]) -
                 Branch {
                     name: "forward",
                     guard: breaks(Relation::Greater, above, Relation::Greater),
-                    value: level,
+                    value: sliding,
                     fixed: None,
                 },
                 Branch {
@@ -173,7 +211,7 @@ fn branches(lowering: &mut Lowering, switch: Switch, values: &[(Var, ExprId)]) -
                 Branch {
                     name: "backward",
                     guard: breaks(Relation::Less, below, Relation::Less),
-                    value: negative_level,
+                    value: against,
                     fixed: None,
                 },
             ]
@@ -231,11 +269,18 @@ fn holding(graph: &mut Graph, velocity: ExprId) -> Option<(Var, ExprId)> {
 /// leaves the velocity at zero.
 fn sliding_note(lowering: &mut Lowering, index: usize, der: &[ExprId]) -> Option<String> {
     let Some(Switch::Friction {
-        velocity, drive, ..
+        velocity,
+        drive,
+        sliding,
+        breakaway,
     }) = lowering.switches.get(index).copied()
     else {
         return None;
     };
+    if sliding != breakaway {
+        // It holds against more than sliding friction does.
+        return None;
+    }
     let placeholder = lowering.placeholder(index);
     let fixed = holding(&mut lowering.graph, velocity)?;
     let graph = &mut lowering.graph;

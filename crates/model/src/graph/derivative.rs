@@ -69,6 +69,7 @@ impl Graph {
             return da;
         }
         let one = self.integer(1);
+        let square = self.powi(a, 2);
         let outer = match function {
             Unary::Neg => return self.neg(da),
             Unary::Sqrt => {
@@ -88,10 +89,29 @@ impl Graph {
                 self.add(one, square)
             }
             Unary::Atan => {
-                let square = self.powi(a, 2);
                 let denominator = self.add(one, square);
                 return self.div(da, denominator);
             }
+            Unary::Atanh => {
+                let denominator = self.sub(one, square);
+                return self.div(da, denominator);
+            }
+            Unary::Asin | Unary::Acos | Unary::Asinh | Unary::Acosh => {
+                let under_root = match function {
+                    Unary::Asinh => self.add(one, square),
+                    Unary::Acosh => self.sub(square, one),
+                    _ => self.sub(one, square),
+                };
+                let root = self.unary(Unary::Sqrt, under_root);
+                let slope = self.div(da, root);
+                return if function == Unary::Acos {
+                    self.neg(slope)
+                } else {
+                    slope
+                };
+            }
+            Unary::Sinh => self.unary(Unary::Cosh, a),
+            Unary::Cosh => self.unary(Unary::Sinh, a),
             Unary::Tanh => {
                 let square = self.powi(value, 2);
                 self.sub(one, square)

@@ -1,5 +1,6 @@
 //! Functions of one and two arguments.
 
+use veribound_interval::Interval;
 use veribound_interval::lanes::Arithmetic;
 
 /// Functions of one argument.
@@ -23,6 +24,20 @@ pub enum Unary {
     Atan,
     /// `tanh(a)`
     Tanh,
+    /// `asin(a)`
+    Asin,
+    /// `acos(a)`
+    Acos,
+    /// `sinh(a)`
+    Sinh,
+    /// `cosh(a)`
+    Cosh,
+    /// `asinh(a)`
+    Asinh,
+    /// `acosh(a)`
+    Acosh,
+    /// `atanh(a)`
+    Atanh,
     /// `abs(a)`
     Abs,
     /// `sign(a)`, with the set `[-1, 1]` at zero
@@ -59,6 +74,13 @@ impl Unary {
             Unary::Tan => "tan",
             Unary::Atan => "atan",
             Unary::Tanh => "tanh",
+            Unary::Asin => "asin",
+            Unary::Acos => "acos",
+            Unary::Sinh => "sinh",
+            Unary::Cosh => "cosh",
+            Unary::Asinh => "asinh",
+            Unary::Acosh => "acosh",
+            Unary::Atanh => "atanh",
             Unary::Abs => "abs",
             Unary::Sign => "sign",
         }
@@ -77,6 +99,13 @@ impl Unary {
             Unary::Tan => A::tan(a),
             Unary::Atan => A::atan(a),
             Unary::Tanh => A::tanh(a),
+            Unary::Asin => A::map(a, Interval::asin),
+            Unary::Acos => A::map(a, Interval::acos),
+            Unary::Sinh => A::map(a, Interval::sinh),
+            Unary::Cosh => A::map(a, Interval::cosh),
+            Unary::Asinh => A::map(a, Interval::asinh),
+            Unary::Acosh => A::map(a, Interval::acosh),
+            Unary::Atanh => A::map(a, Interval::atanh),
             Unary::Abs => A::abs(a),
             Unary::Sign => A::sign(a),
         }

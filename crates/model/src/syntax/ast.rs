@@ -29,6 +29,8 @@ pub(crate) enum Kind {
     And(Box<Ast>, Box<Ast>),
     Or(Box<Ast>, Box<Ast>),
     Not(Box<Ast>),
+    /// `if condition then value else value`
+    If(Box<Ast>, Box<Ast>, Box<Ast>),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,18 +41,29 @@ pub(crate) enum Arithmetic {
     Divide,
 }
 
+/// Points of a table in an equation; each costs an operation in every evaluation.
+pub(crate) const MOST_POINTS: usize = 100;
+
 /// Functions an equation can call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Function {
     Plain(Unary),
+    /// Logarithm to a base.
+    LogTo(i64),
     Min,
     Max,
+    /// `sat(x, lower, upper)`
+    Saturation,
+    /// `deadzone(x, lower, upper)`
+    DeadZone,
+    /// `table(x, x0, y0, x1, y1, ...)`
+    Table,
     Friction,
 }
 
 impl Function {
     /// All names, also those that are second names.
-    pub const NAMES: [(&str, Function); 14] = [
+    pub const NAMES: [(&str, Function); 26] = [
         ("sqrt", Function::Plain(Unary::Sqrt)),
         ("exp", Function::Plain(Unary::Exp)),
         ("log", Function::Plain(Unary::Ln)),
@@ -60,6 +73,18 @@ impl Function {
         ("tan", Function::Plain(Unary::Tan)),
         ("atan", Function::Plain(Unary::Atan)),
         ("tanh", Function::Plain(Unary::Tanh)),
+        ("asin", Function::Plain(Unary::Asin)),
+        ("acos", Function::Plain(Unary::Acos)),
+        ("sinh", Function::Plain(Unary::Sinh)),
+        ("cosh", Function::Plain(Unary::Cosh)),
+        ("asinh", Function::Plain(Unary::Asinh)),
+        ("acosh", Function::Plain(Unary::Acosh)),
+        ("atanh", Function::Plain(Unary::Atanh)),
+        ("log2", Function::LogTo(2)),
+        ("log10", Function::LogTo(10)),
+        ("sat", Function::Saturation),
+        ("deadzone", Function::DeadZone),
+        ("table", Function::Table),
         ("abs", Function::Plain(Unary::Abs)),
         ("sign", Function::Plain(Unary::Sign)),
         ("min", Function::Min),
@@ -77,17 +102,39 @@ impl Function {
     /// Fewest and most arguments, and how to write the call.
     pub fn arguments(self) -> (usize, usize, &'static str) {
         match self {
-            Function::Plain(_) => (1, 1, "one argument"),
+            Function::Plain(_) | Function::LogTo(_) => (1, 1, "one argument"),
             Function::Min | Function::Max => (2, 64, "two or more arguments"),
-            Function::Friction => (3, 3, "three arguments: friction(velocity, drive, level)"),
+            Function::Saturation => (
+                2,
+                3,
+                "two or three arguments: sat(x, limit) or sat(x, lower, upper)",
+            ),
+            Function::DeadZone => (
+                2,
+                3,
+                "two or three arguments: deadzone(x, limit) or deadzone(x, lower, upper)",
+            ),
+            Function::Table => (
+                5,
+                1 + 2 * MOST_POINTS,
+                "two or more points: table(x, x0, y0, x1, y1, ...)",
+            ),
+            Function::Friction => (
+                3,
+                4,
+                "three or four arguments: friction(velocity, drive, level) or \
+                 friction(velocity, drive, sliding level, static level)",
+            ),
         }
     }
 }
 
 /// Words of the language that no quantity can be named.
 pub(crate) fn is_reserved(name: &str) -> bool {
-    matches!(name, "pi" | "and" | "or" | "not" | "true" | "false")
-        || Function::named(name).is_some()
+    matches!(
+        name,
+        "pi" | "and" | "or" | "not" | "true" | "false" | "if" | "then" | "else"
+    ) || Function::named(name).is_some()
 }
 
 impl Ast {
@@ -126,6 +173,7 @@ impl Kind {
             | Kind::Compare(_, a, b)
             | Kind::And(a, b)
             | Kind::Or(a, b) => vec![a, b],
+            Kind::If(a, b, c) => vec![a, b, c],
             Kind::Call(_, arguments) => arguments.iter().collect(),
         }
     }

@@ -306,7 +306,8 @@ impl<'t> Parser<'t> {
                 return self.grown(Kind::Not(Box::new(inner)), whole);
             }
             "true" => return Ok(Ast::new(Kind::Always, range)),
-            "and" | "or" => return self.unexpected_operand(Token::Name, range),
+            "if" => return self.choice(range),
+            "and" | "or" | "then" | "else" => return self.unexpected_operand(Token::Name, range),
             _ => {}
         }
         if let Some((Token::Open, open)) = self.peek() {
@@ -323,6 +324,34 @@ impl<'t> Parser<'t> {
             ));
         }
         Ok(Ast::new(Kind::Name(name.to_string()), range))
+    }
+
+    /// `if condition then value else value`; the last value reaches as far as it can.
+    fn choice(&mut self, start: Range<usize>) -> Result<Ast, Stop> {
+        let condition = self.parse(strength::ANY)?;
+        self.word_of_choice("then", &start)?;
+        let yes = self.parse(strength::ANY)?;
+        self.word_of_choice("else", &start)?;
+        let no = self.parse(strength::ANY)?;
+        let whole = start.start..no.range.end;
+        let kind = Kind::If(Box::new(condition), Box::new(yes), Box::new(no));
+        self.grown(kind, whole)
+    }
+
+    fn word_of_choice(&mut self, wanted: &str, start: &Range<usize>) -> Result<(), Stop> {
+        match self.next() {
+            Some((Token::Name, range)) if self.word(&range) == wanted => Ok(()),
+            other => {
+                let range = other.map_or(start.clone(), |(_, range)| range);
+                self.stop(Problem::new(
+                    "E0110",
+                    format!("the `if` has no `{wanted}`"),
+                    range,
+                    format!("expected `{wanted}`"),
+                    "write if condition then value else value",
+                ))
+            }
+        }
     }
 
     fn bracket(&mut self, open: Range<usize>) -> Result<Ast, Stop> {
@@ -352,7 +381,6 @@ impl<'t> Parser<'t> {
             let known = Function::NAMES.iter().map(|(name, _)| *name);
             let help = match nearest(word, known) {
                 Some(near) => format!("did you mean `{near}`?"),
-                None if word == "log10" => "write log(x)/log(10)".to_string(),
                 None => format!(
                     "known functions are {}; a product needs `*`",
                     Function::NAMES.map(|(name, _)| name).join(", ")
@@ -475,6 +503,9 @@ mod tests {
                 Kind::Compare(r, a, b) => format!("({} {r:?} {})", write(a), write(b)),
                 Kind::And(a, b) => format!("({} and {})", write(a), write(b)),
                 Kind::Or(a, b) => format!("({} or {})", write(a), write(b)),
+                Kind::If(c, a, b) => {
+                    format!("(if {} then {} else {})", write(c), write(a), write(b))
+                }
             }
         }
         match expression(text) {
@@ -489,6 +520,10 @@ mod tests {
 
     #[test]
     fn precedence() {
+        assert_eq!(
+            shape("1 + if a > 0 or b then x else y + 2*if c then 1 else 2"),
+            "(1 Add (if ((a Greater 0) or b) then x else (y Add (2 Multiply (if c then 1 else 2)))))"
+        );
         assert_eq!(shape("-x^2"), "(-(x^2))");
         assert_eq!(shape("2^-3"), "(2^(-3))");
         assert_eq!(shape("x**2**3"), "(x^(2^3))");

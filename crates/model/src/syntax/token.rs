@@ -71,6 +71,7 @@ fn unknown_character(text: &str, start: usize) -> Problem {
     let help = match symbol {
         '.' => "write a digit before and after the decimal point: 0.5, 2.0",
         '%' => "write { expr = \"x\", error = { relative = 0.1 } } for an error of ten percent",
+        ':' | '?' => "write if condition then value else value",
         '&' => "write `and`",
         '|' => "write `or`, or abs(x) for the absolute value",
         '!' => "write `not`, or `!=` between two values",
