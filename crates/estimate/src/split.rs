@@ -39,11 +39,7 @@ pub(crate) struct Splitter {
 
 impl Splitter {
     pub(crate) fn new(model: &Model) -> Splitter {
-        let layout = Layout {
-            states: model.states.len(),
-            params: model.params.len(),
-            inputs: model.inputs.len(),
-        };
+        let layout = model.layout();
         let mut graph = model.graph.clone();
         let (guards, mut switching) = structure::comparisons(model, &mut graph, layout);
         let measured = structure::measured_states(model);

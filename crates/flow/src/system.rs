@@ -81,11 +81,7 @@ impl System {
     ///
     /// Cost: one symbolic derivative per right-hand side and quantity it depends on.
     pub fn new(model: &Model) -> System {
-        let layout = Layout {
-            states: model.states.len(),
-            params: model.params.len(),
-            inputs: model.inputs.len(),
-        };
+        let layout = model.layout();
         let mut graph = model.graph.clone();
         let mut derivatives: Vec<Vec<ExprId>> =
             model.modes.iter().map(|mode| mode.der.clone()).collect();

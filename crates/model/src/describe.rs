@@ -56,13 +56,18 @@ impl Model {
         let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
         let mut parts = vec![
             count(self.states.len(), "state"),
-            count(self.inputs.len(), "input"),
+            count(self.recorded_inputs().count(), "input"),
             count(self.params.len(), "parameter"),
             count(self.outputs.len(), "output"),
             count(self.modes.len(), "mode"),
         ];
-        if !self.signals.is_empty() {
-            parts.push(count(self.signals.len(), "signal"));
+        for (n, what) in [
+            (self.signals.len(), "signal"),
+            (self.disturbances().count(), "disturbance"),
+        ] {
+            if n > 0 {
+                parts.push(count(n, what));
+            }
         }
         parts.join(", ")
     }
@@ -81,7 +86,7 @@ impl Model {
             ]
         });
         section(out, "states", states.collect());
-        let inputs = self.inputs.iter().map(|input| {
+        let inputs = self.recorded_inputs().map(|input| {
             let error = bound(&input.error);
             let column = column(&input.column);
             vec![
@@ -93,6 +98,15 @@ impl Model {
             ]
         });
         section(out, "inputs (held from sample to sample)", inputs.collect());
+        let disturbances = self.disturbances().map(|(input, bounds)| {
+            let bounds = format!("in {}", spell(bounds));
+            vec![input.name.clone(), input.unit.clone(), bounds]
+        });
+        let disturbances: Vec<Vec<String>> = disturbances.collect();
+        if !disturbances.is_empty() {
+            let title = "disturbances (any function of time in these bounds)";
+            section(out, title, disturbances);
+        }
         let params = self.params.iter().map(|param| {
             let nominal = param.nominal.as_ref();
             let nominal = nominal.map_or(String::new(), |value| format!("nominal {value}"));

@@ -2,6 +2,7 @@
 
 use crate::diagnostic::SourceText;
 use crate::graph::{ExprId, Graph};
+use crate::tape::Layout;
 use std::sync::Arc;
 use veribound_interval::{Decimal, Interval};
 
@@ -19,7 +20,7 @@ pub struct Model {
     pub graph: Graph,
     /// States, in the order of every table.
     pub states: Vec<State>,
-    /// Inputs, held from sample to sample.
+    /// Inputs, held from sample to sample; disturbances stand behind those that are recorded.
     pub inputs: Vec<Input>,
     /// Unknown parameters with their priors.
     pub params: Vec<Param>,
@@ -37,6 +38,28 @@ pub struct Model {
     pub source: Arc<SourceText>,
 }
 
+impl Model {
+    /// The inputs that a record has a column for.
+    pub fn recorded_inputs(&self) -> impl Iterator<Item = &Input> {
+        self.inputs.iter().filter(|input| input.within.is_none())
+    }
+
+    /// The disturbances, each with its bounds.
+    pub fn disturbances(&self) -> impl Iterator<Item = (&Input, Interval)> {
+        let inputs = self.inputs.iter();
+        inputs.filter_map(|input| input.within.map(|bounds| (input, bounds)))
+    }
+
+    /// Where states, parameters and inputs stand in a flat list.
+    pub fn layout(&self) -> Layout {
+        Layout {
+            states: self.states.len(),
+            params: self.params.len(),
+            inputs: self.inputs.len(),
+        }
+    }
+}
+
 /// A state of the system.
 #[derive(Debug, Clone)]
 pub struct State {
@@ -50,7 +73,7 @@ pub struct State {
     pub domain: Option<Interval>,
 }
 
-/// An input, known at the samples up to its error bound and held between them.
+/// An input, known at the samples up to its error bound and held between them, or a disturbance.
 #[derive(Debug, Clone)]
 pub struct Input {
     /// The user's name.
@@ -63,6 +86,9 @@ pub struct Input {
     pub error: ErrorBound,
     /// Where the guards must cover; `None` when the user declared none.
     pub domain: Option<Interval>,
+    /// Of a disturbance, which no column records: it may be any measurable function of time with
+    /// values in here.
+    pub within: Option<Interval>,
 }
 
 /// An unknown parameter.

@@ -4,6 +4,7 @@ use super::header::{Header, NotFound, Place};
 use super::problems::Problems;
 use super::similar::closest;
 use super::{RecordOptions, units};
+use veribound_interval::Interval;
 use veribound_model::diagnostic::Diagnostic;
 use veribound_model::model::{ErrorBound, Model};
 
@@ -24,6 +25,8 @@ pub(crate) struct Layout {
     pub header: Header,
     pub time: usize,
     pub inputs: Vec<Source>,
+    /// Bounds of the disturbances, which have no column.
+    pub disturbances: Vec<Interval>,
     pub outputs: Vec<Source>,
     pub signals: Vec<(String, usize)>,
     /// Pairs of a variable and the header of its columns, time first.
@@ -75,7 +78,7 @@ impl Finder<'_> {
         self.refuse_unknown_variables(model);
         let time = self.time();
         let mut inputs = Vec::new();
-        for input in &model.inputs {
+        for input in model.recorded_inputs() {
             let place = self.variable(
                 &input.name,
                 &input.unit,
@@ -117,6 +120,7 @@ impl Finder<'_> {
             header: self.header.clone(),
             time: time?,
             inputs,
+            disturbances: model.disturbances().map(|(_, bounds)| bounds).collect(),
             outputs,
             signals,
             pairs: Vec::new(),
@@ -330,7 +334,7 @@ impl Finder<'_> {
     }
 
     fn refuse_unknown_variables(&mut self, model: &Model) {
-        let inputs = model.inputs.iter().map(|input| input.name.as_str());
+        let inputs = model.recorded_inputs().map(|input| input.name.as_str());
         let outputs = model.outputs.iter().map(|output| output.name.as_str());
         let signals = model.signals.iter().map(|signal| signal.name.as_str());
         let known: Vec<&str> = inputs.chain(outputs).chain(signals).collect();

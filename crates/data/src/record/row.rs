@@ -122,7 +122,8 @@ struct Reported;
 impl Cells<'_> {
     fn inputs(&mut self) -> Vec<Interval> {
         let layout = self.layout;
-        let mut values = Vec::with_capacity(layout.inputs.len());
+        let count = layout.inputs.len() + layout.disturbances.len();
+        let mut values = Vec::with_capacity(count);
         for source in &layout.inputs {
             let recorded = match source.place {
                 Place::Value(at) => self
@@ -132,6 +133,7 @@ impl Cells<'_> {
             };
             values.extend(recorded.map(|recorded| source.error.enclose(recorded)));
         }
+        values.extend(&layout.disturbances);
         values
     }
 

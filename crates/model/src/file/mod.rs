@@ -1,6 +1,7 @@
 //! From a model file to a [`Model`]: one pass that collects every problem before it gives up.
 
 mod constants;
+mod disturbances;
 mod equations;
 mod lower;
 mod measured;
@@ -27,9 +28,20 @@ const LARGEST_FILE: usize = 1 << 18;
 /// More entries in one section are a mistake.
 const MOST_ENTRIES: usize = 1000;
 
-const SECTIONS: [&str; 12] = [
-    "format", "name", "states", "init", "inputs", "params", "let", "modes", "der", "outputs",
-    "signals", "events",
+const SECTIONS: [&str; 13] = [
+    "format",
+    "name",
+    "states",
+    "init",
+    "inputs",
+    "disturbances",
+    "params",
+    "let",
+    "modes",
+    "der",
+    "outputs",
+    "signals",
+    "events",
 ];
 
 impl Model {
@@ -157,7 +169,8 @@ fn model(reader: &mut Reader, file: &Table) -> Option<Model> {
     // [1/4] Declarations: after these every name is known.
     let mut scope = Scope::default();
     let states = quantities::states(reader, file, &mut scope);
-    let inputs = quantities::inputs(reader, file, &mut scope);
+    let mut inputs = quantities::inputs(reader, file, &mut scope);
+    disturbances::disturbances(reader, file, &mut scope, &mut inputs);
     let params = quantities::params(reader, file, &mut scope);
     let definitions = equations::definitions(reader, file, &mut scope);
     let outputs = measured::outputs(reader, file, &mut scope);

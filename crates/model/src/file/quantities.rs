@@ -291,6 +291,7 @@ pub(crate) fn inputs(reader: &mut Reader, file: &Table, scope: &mut Scope) -> Ve
                 column: None,
                 error: exact(),
                 domain: None,
+                within: None,
             });
         }
         return inputs;
@@ -313,6 +314,7 @@ pub(crate) fn inputs(reader: &mut Reader, file: &Table, scope: &mut Scope) -> Ve
             column: None,
             error: exact(),
             domain: None,
+            within: None,
         };
         if let Some(table) = reader.table(entry.value, entry.place.clone(), help) {
             reader.allow(

@@ -240,6 +240,9 @@ pub struct Simulate {
     /// random signs
     #[arg(long, value_name = "BOUND|worst")]
     pub error: Option<ErrorFlag>,
+    /// Value of a disturbance for the whole record; the middle of its bounds where none is given
+    #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',')]
+    pub disturbance: Vec<Assignment>,
     /// Chooses the errors
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,

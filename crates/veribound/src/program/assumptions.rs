@@ -99,11 +99,11 @@ fn reset(model: &mut Model, flag: &ResetFlag) -> Result<String, Diagnostic> {
 
 fn input_error(model: &mut Model, flag: &InputErrorFlag) -> Result<String, Diagnostic> {
     let typed = |range| ("--input-error", flag.text.as_str(), range);
-    let known = list(model.inputs.iter().map(|input| input.name.as_str()));
+    let known = list(model.recorded_inputs().map(|input| input.name.as_str()));
     let Some(input) = model
         .inputs
         .iter_mut()
-        .find(|input| input.name == flag.input)
+        .find(|input| input.name == flag.input && input.within.is_none())
     else {
         return Err(flag_problem(
             "E0603",

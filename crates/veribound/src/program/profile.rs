@@ -50,9 +50,10 @@ impl Profile {
                 let points = Points::of_table(path, &record)?;
                 (points, record.last().clone(), record.len())
             }
-            None if model.inputs.is_empty() => (Points::Start, Decimal::zero(), 1),
+            None if model.recorded_inputs().next().is_none() => (Points::Start, Decimal::zero(), 1),
             None => {
-                let name = model.inputs.first().map_or("", |input| input.name.as_str());
+                let mut names = model.recorded_inputs().map(|input| input.name.as_str());
+                let name = names.next().unwrap_or("");
                 return Err(Diagnostic::new("E0607", format!("the model has the input `{name}`"))
                     .help(format!(
                         "give its values with `--input PROFILE`, a CSV file with the header `t,{name}`"

@@ -42,6 +42,7 @@ pub fn run(arguments: &Simulate) -> Outcome {
     let mut profile = Profile::open(arguments, &model)?;
     let interrupt = Interrupt::listen();
     let mut file = create(&arguments.output)?;
+    let disturbances = disturbances(&model, &arguments.disturbance)?;
     let mut simulation = Simulation::new(&model, &params, &start, arguments.steps);
     let mut noise = Noise::new(arguments.seed, arguments.decimals);
     let mut open = changes.into_iter().peekable();
@@ -57,9 +58,10 @@ pub fn run(arguments: &Simulate) -> Outcome {
         let Stretch {
             time,
             texts,
-            inputs,
+            mut inputs,
             to_next,
         } = stretch;
+        inputs.extend(&disturbances);
         while let Some(change) = open.next_if(|change| change.time <= time) {
             simulation.change(change.param, change.value.to_interval());
         }
@@ -244,6 +246,31 @@ fn start(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnosti
     Ok(start)
 }
 
+/// What every disturbance is all the time: as asked, else the middle of its bounds.
+fn disturbances(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnostic> {
+    let names: Vec<&str> = model
+        .disturbances()
+        .map(|(input, _)| input.name.as_str())
+        .collect();
+    let values = assigned(("--disturbance", "disturbance"), &names, given)?;
+    let mut held = Vec::new();
+    for ((input, bounds), value) in model.disturbances().zip(values) {
+        let value = value.map_or(Interval::point(bounds.mid()), |value| value.to_interval());
+        if !value.is_subset_of(bounds) {
+            let message = format!(
+                "the disturbance `{}` cannot be {}",
+                input.name,
+                numbers::show_prior(value)
+            );
+            let bounds = numbers::show_prior(bounds);
+            return Err(Diagnostic::new("E0608", message)
+                .help(format!("choose a value in {bounds}, or change the model")));
+        }
+        held.push(value);
+    }
+    Ok(held)
+}
+
 /// The values of `names` in the list, each given at most once.
 fn assigned(
     (flag, kind): (&str, &str),
@@ -333,6 +360,9 @@ fn header(arguments: &Simulate, model: &Model) -> String {
     if !arguments.start.is_empty() {
         flag("start", assignments(&arguments.start));
     }
+    if !arguments.disturbance.is_empty() {
+        flag("disturbance", assignments(&arguments.disturbance));
+    }
     arguments
         .change
         .iter()
@@ -363,8 +393,7 @@ fn header(arguments: &Simulate, model: &Model) -> String {
     };
     let mut columns = vec!["t [s]".to_owned()];
     let inputs = model
-        .inputs
-        .iter()
+        .recorded_inputs()
         .map(|x| column(&x.name, x.column.as_ref(), &x.unit));
     let outputs = model
         .outputs
