@@ -291,6 +291,11 @@ impl Graph {
         if n == 1 {
             return a;
         }
+        if n == i32::MIN {
+            // Its size and its neighbour below are no `i32`.
+            let half = self.powi(a, n / 2);
+            return self.powi(half, 2);
+        }
         if let Some(x) = self.as_constant(a)
             && n.abs() <= LARGEST_FOLDED_POWER
             && !(n < 0 && x.is_zero())

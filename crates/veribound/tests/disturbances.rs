@@ -35,10 +35,10 @@ fn record(value: impl Fn(f64) -> f64) -> String {
 #[test]
 fn a_disturbance_may_change_at_any_time() {
     let place = Place::new();
-    let model = place.file("m.toml", &pushed("0.3"));
+    let model = place.file("m.toml", pushed("0.3"));
     // d = 0.3 cos(7 t), k = 1: between two samples it changes by a tenth.
     let value = |t: f64| 0.3 * ((7.0 * t).cos() + 7.0 * (7.0 * t).sin() - (-t).exp()) / 50.0;
-    let data = place.file("r.csv", &record(value));
+    let data = place.file("r.csv", record(value));
     place.run(&["observe", &model, &data, "-o", "out"]).ended(0);
     for (sample, (lo, hi)) in bounds(&place.read("out/states.csv"), "x")
         .iter()
@@ -59,8 +59,8 @@ fn a_disturbance_may_change_at_any_time() {
 fn a_disturbance_beyond_its_bounds_is_refuted() {
     let place = Place::new();
     let (wide, narrow) = (
-        place.file("wide.toml", &pushed("0.3")),
-        place.file("narrow.toml", &pushed("0.05")),
+        place.file("wide.toml", pushed("0.3")),
+        place.file("narrow.toml", pushed("0.05")),
     );
     let fixed = [
         "simulate", &wide, "--params", "k=1", "--until", "5", "--every", "0.05",
@@ -90,8 +90,8 @@ fn a_disturbance_beyond_its_bounds_is_refuted() {
 #[test]
 fn a_disturbance_is_no_column_and_no_input() {
     let place = Place::new();
-    let model = place.file("m.toml", &pushed("0.3"));
-    let data = place.file("r.csv", &record(|_| 0.0));
+    let model = place.file("m.toml", pushed("0.3"));
+    let data = place.file("r.csv", record(|_| 0.0));
     let say = |flags: &[&str], code: &str, part: &str| {
         let mut all = vec!["observe", model.as_str(), data.as_str(), "-o", "out"];
         all.extend(flags);

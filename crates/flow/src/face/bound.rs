@@ -23,8 +23,8 @@ pub(super) struct Bound {
     pub(super) slack_in: Mask,
     /// Values during the step.
     pub(super) range: Interval8,
-    /// Where the comparison solution is during the step, as far as one round of Picard's iteration
-    /// says.
+    /// Picard's operator: where the comparison solution is during the step if its velocity stays in
+    /// the first coefficient taken last. A proof only where that one was taken over this image.
     pub(super) image: Interval8,
     /// Taylor coefficients of the comparison solution, see [`Along`].
     coefficients: [Vec<Interval8>; 2],
@@ -32,7 +32,7 @@ pub(super) struct Bound {
 }
 
 /// Where the Taylor coefficients of comparison solutions are taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy)]
 pub(super) enum Along {
     /// Where the bounds start.
     Start,

@@ -152,7 +152,6 @@ impl Face<'_> {
         bound.slack.assign(planned, &slack);
         bound.slack_in |= planned.without(slack.is_subset_of(&Interval8::ZERO));
         assign(&mut bound.cell, planned, &[cell; LANES]);
-        bound.range.assign(planned, &Interval8::point(bound.start));
         bound.series |= planned;
     }
 }
@@ -222,7 +221,10 @@ impl System {
     }
 
     /// Range of every comparison solution over the step, by Picard's iteration for all of them
-    /// together, and its velocity there. Returns the boxes with a bound that lost its series.
+    /// together. Returns the boxes with a bound that lost its series.
+    ///
+    /// Afterwards the velocities on these ranges are the first coefficients of [`Along::Range`], and the
+    /// registers hold the order 0 that the next orders build upon.
     fn enclose_ranges(
         &self,
         step: &Step<'_>,
@@ -351,7 +353,8 @@ impl System {
     }
 }
 
-/// Taylor coefficients `from + 1` to `to` of all comparison solutions side by side.
+/// Taylor coefficients `from + 1` to `to` of all comparison solutions side by side; from 0 on also
+/// coefficient 0 of all bounds, and their images.
 ///
 /// Those of the boxes in `lanes` are wanted; the others get the ones they have already.
 struct Expansion<'a> {
