@@ -1,5 +1,6 @@
 //! What a model file was understood to say, as text.
 
+use crate::facts::ModeFacts;
 use crate::graph::{Binary, ExprId, Names, Node};
 use crate::model::{Coverage, ErrorBound, Guard, Mode, Model, Relation, Signal};
 use std::collections::HashMap;
@@ -28,6 +29,7 @@ impl Model {
         for mode in &self.modes {
             self.describe_mode(mode, width, &names, &mut out);
         }
+        self.describe_facts(&mut out);
         out.push('\n');
         let line = match &self.coverage {
             _ if self.modes.iter().all(|mode| mode.guard == Guard::Always) => {
@@ -206,6 +208,53 @@ impl Model {
         }
     }
 
+    /// What is proved about the right-hand sides; modes of which the same is known share a line.
+    fn describe_facts(&self, out: &mut String) {
+        let facts = self.facts();
+        let mut rows: Vec<(Vec<&str>, [String; 2])> = Vec::new();
+        for (mode, facts) in self.modes.iter().zip(&facts.modes) {
+            let told = [properties(facts), self.slopes(facts)];
+            match rows.iter_mut().find(|(_, known)| *known == told) {
+                Some((names, _)) => names.push(&mode.name),
+                None => rows.push((vec![&mode.name], told)),
+            }
+        }
+        let rows = rows.into_iter().flat_map(|(names, [properties, slopes])| {
+            let slopes = vec![String::new(), slopes];
+            [vec![names.join(", "), properties], slopes]
+        });
+        let rows = rows.filter(|row| row.iter().any(|cell| !cell.is_empty()));
+        section(out, "structure (proved)", rows.collect());
+        for state in &facts.switching {
+            let name = self.states.get(*state).map_or("", |state| &state.name);
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                out,
+                "  {name}' switches: where guards touch or overlap it is the convex hull of their modes"
+            );
+        }
+    }
+
+    /// Which derivatives rise or fall with which states.
+    fn slopes(&self, facts: &ModeFacts) -> String {
+        let mut parts = Vec::new();
+        for (state, row) in self.states.iter().zip(&facts.jacobian) {
+            let with = |wanted: Slope| {
+                let both = self.states.iter().zip(row);
+                let named = both.filter(|(_, slope)| Slope::of(**slope) == wanted);
+                let names: Vec<&str> = named.map(|(other, _)| other.name.as_str()).collect();
+                names.join(", ")
+            };
+            for (slope, verb) in [(Slope::Rising, "rises"), (Slope::Falling, "falls")] {
+                let names = with(slope);
+                if !names.is_empty() {
+                    parts.push(format!("{}' {verb} with {names}", state.name));
+                }
+            }
+        }
+        parts.join("; ")
+    }
+
     fn shown_guard(&self, guard: &Guard, names: &Names, is_inside: bool) -> String {
         let (list, word) = match guard {
             Guard::Always => return "true".to_string(),
@@ -262,6 +311,45 @@ impl Model {
             _ => self.graph.show(e, names),
         }
     }
+}
+
+/// How a derivative changes with a state.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Slope {
+    None,
+    Rising,
+    Falling,
+    Unknown,
+}
+
+impl Slope {
+    fn of(slope: Interval) -> Slope {
+        match (slope.lo() >= 0.0, slope.hi() <= 0.0) {
+            (true, true) => Slope::None,
+            (true, false) => Slope::Rising,
+            (false, true) => Slope::Falling,
+            (false, false) => Slope::Unknown,
+        }
+    }
+}
+
+/// The properties of a mode that engines look for.
+fn properties(facts: &ModeFacts) -> String {
+    let mut parts = vec![match (facts.affine_in_states, facts.affine_in_params) {
+        (true, true) => "affine in the states, and in the parameters".to_string(),
+        (true, false) => "affine in the states".to_string(),
+        (false, true) => "affine in the parameters".to_string(),
+        (false, false) => "not affine".to_string(),
+    }];
+    if facts.is_cooperative() {
+        parts.push("cooperative".to_string());
+    }
+    let expansion = facts.expansion();
+    if expansion.is_finite() {
+        let rate = text::upper(expansion, 3);
+        parts.push(format!("solutions part at most like exp({rate} t)"));
+    }
+    parts.join("; ")
 }
 
 /// A heading and aligned rows; empty columns take no room.

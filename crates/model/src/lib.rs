@@ -3,6 +3,7 @@
 mod coverage;
 mod describe;
 pub mod diagnostic;
+pub mod facts;
 mod file;
 pub mod graph;
 pub mod model;
@@ -13,6 +14,7 @@ pub mod tape;
 mod units;
 
 pub use diagnostic::{Diagnostic, Diagnostics, SourceText};
+pub use facts::{Facts, ModeFacts};
 pub use graph::{Binary, ExprId, Graph, Level, Names, Node, Unary, Var};
 pub use model::{
     Coverage, ErrorBound, Guard, Input, Mode, Model, Output, Param, Relation, Reset, Sample,
