@@ -23,7 +23,7 @@ impl Dice {
     }
 }
 
-const PIECES: [&str; 44] = [
+const PIECES: [&str; 52] = [
     "(",
     ")",
     "[",
@@ -54,6 +54,14 @@ const PIECES: [&str; 44] = [
     "sign(omega)",
     "friction(omega, u, T_Fs)",
     "min(",
+    "if ",
+    " then ",
+    " else ",
+    "table(omega, ",
+    "sat(",
+    "deadzone(",
+    "asin(",
+    "cosh(",
     "abs(",
     "not ",
     " and ",
@@ -70,7 +78,29 @@ const PIECES: [&str; 44] = [
     "é",
 ];
 
+/// Longer for one text is a hang; the machine may be busy with other tests.
+const LONGEST: Duration = Duration::from_secs(5);
+
+/// How long one test goes on: `VERIBOUND_FUZZ_SECONDS`, else until it has read some thousand texts.
+fn goes_on(start: Instant, count: usize) -> bool {
+    let asked = std::env::var("VERIBOUND_FUZZ_SECONDS").ok();
+    match asked.and_then(|seconds| seconds.parse().ok()) {
+        Some(seconds) => start.elapsed() < Duration::from_secs(seconds),
+        None => count < 4000 && start.elapsed() < Duration::from_secs(20),
+    }
+}
+
 fn read(text: &str) {
+    let start = Instant::now();
+    understand(text);
+    assert!(
+        start.elapsed() < LONGEST,
+        "{:?} for\n{text}",
+        start.elapsed()
+    );
+}
+
+fn understand(text: &str) {
     match Model::from_text("garbage.toml", text) {
         Ok(model) => assert!(!model.describe().is_empty()),
         Err(problems) => {
@@ -94,7 +124,7 @@ fn changed_models_never_panic() {
         .collect();
     let start = Instant::now();
     let mut count = 0;
-    while count < 4000 && start.elapsed() < Duration::from_secs(20) {
+    while goes_on(start, count) {
         let mut symbols: Vec<char> = texts[dice.below(texts.len())].chars().collect();
         for _ in 0..=dice.below(4) {
             let at = dice.below(symbols.len());
@@ -131,7 +161,7 @@ fn random_expressions_never_panic() {
     let mut dice = Dice(2);
     let start = Instant::now();
     let mut count = 0;
-    while count < 4000 && start.elapsed() < Duration::from_secs(20) {
+    while goes_on(start, count) {
         let mut expression = String::new();
         for _ in 0..dice.below(30) {
             expression.push_str(PIECES[dice.below(PIECES.len())]);
@@ -147,6 +177,121 @@ fn random_expressions_never_panic() {
         count += 1;
     }
     assert!(count > 200, "only {count} texts in time");
+}
+
+/// A value, well-formed, of any shape.
+fn value(dice: &mut Dice, depth: usize) -> String {
+    const UNARY: [&str; 21] = [
+        "sqrt", "exp", "log", "ln", "log2", "log10", "sin", "cos", "tan", "asin", "acos", "atan",
+        "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "abs", "sign", "-",
+    ];
+    if depth == 0 {
+        return [
+            "omega", "phi", "u", "T_Fs", "d", "pi", "0", "2", "0.5", "1e-9", "part",
+        ][dice.below(11)]
+        .to_string();
+    }
+    let kind = dice.below(16);
+    let mut inner = || value(dice, depth - 1);
+    match kind {
+        0..=4 => {
+            let (a, b) = (inner(), inner());
+            format!("({a} {} {b})", ["+", "-", "*", "/"][dice.below(4)])
+        }
+        5 => {
+            let a = inner();
+            format!("({a})^({})", dice.below(9) as i64 - 4)
+        }
+        6..=9 => {
+            let a = inner();
+            format!("{}({a})", UNARY[dice.below(UNARY.len())])
+        }
+        10 => format!("min({}, {})", inner(), inner()),
+        11 => {
+            let (a, b, c) = (inner(), inner(), inner());
+            format!("(if {} then {b} else {c})", condition(dice, depth - 1, &a))
+        }
+        12 => format!("sat({}, {})", inner(), inner()),
+        13 => format!("deadzone({}, {}, {})", inner(), inner(), inner()),
+        14 => format!(
+            "table({}, -1, {}, 0, {}, 0, 1, 3, 2)",
+            inner(),
+            inner(),
+            inner()
+        ),
+        _ => format!(
+            "friction({}, {}, {}, {})",
+            inner(),
+            inner(),
+            inner(),
+            inner()
+        ),
+    }
+}
+
+fn condition(dice: &mut Dice, depth: usize, left: &str) -> String {
+    let right = value(dice, depth);
+    let one = format!(
+        "{left} {} {right}",
+        ["<", "<=", ">", ">=", "==", "!="][dice.below(6)]
+    );
+    match dice.below(6) {
+        0 if depth > 0 => format!("({one}) and {}", condition(dice, depth - 1, left)),
+        1 if depth > 0 => format!("({one}) or {}", condition(dice, depth - 1, left)),
+        2 => format!("not ({one})"),
+        _ => one,
+    }
+}
+
+#[test]
+fn well_formed_expressions_are_understood_in_time() {
+    let mut dice = Dice(3);
+    let start = Instant::now();
+    let (mut count, mut models) = (0, 0);
+    while goes_on(start, count) {
+        let depth = dice.below(5);
+        let (part, velocity) = (value(&mut dice, depth), value(&mut dice, depth));
+        let text = format!(
+            "format = 1\nstates = [\"phi\", \"omega\"]\ninputs = [\"u\"]\ninit = {{ phi = 0, omega = 0 }}\n\
+             disturbances.d = [-1, 1]\nparams = {{ T_Fs = [0, 1] }}\nlet.part = \"{}\"\n\
+             der = {{ phi = \"omega\", omega = \"{velocity}\" }}\noutputs = {{ y = \"phi +- 1\" }}\n",
+            part.replace("part", "1")
+        );
+        read(&text);
+        models += usize::from(Model::from_text("m.toml", text).is_ok());
+        count += 1;
+    }
+    assert!(count > 200, "only {count} texts in time");
+    assert!(models > count / 4, "{models} of {count} are models");
+    println!("{models} models of {count} texts in {:?}", start.elapsed());
+}
+
+#[test]
+fn choices_inside_choices_are_refused_at_once() {
+    let nested = |levels: usize, step: &str| {
+        (0..levels).fold("1".to_string(), |inner, level| {
+            step.replace('#', &level.to_string()).replace('_', &inner)
+        })
+    };
+    for expression in [
+        nested(60, "if x > # then _ else 2"),
+        nested(60, "(if x > # then 1 else _)"),
+        nested(60, "sign(x - # + _)"),
+        nested(30, "friction(x - # + _, x, 1)"),
+        nested(60, "table(_, 0, 1, 1, 2, 1, x)"),
+        nested(60, "sat(_, x)"),
+        nested(60, "deadzone(_, #, x + 100)"),
+        format!(
+            "0{}",
+            (0..300)
+                .map(|i| format!(" + sign(x - {i})"))
+                .collect::<String>()
+        ),
+    ] {
+        read(&format!(
+            "format = 1\nstates = [\"x\"]\ninit.x = 0\nder.x = \"{expression}\"\noutputs.y = \"x +- 1\"\n"
+        ));
+    }
 }
 
 #[test]
