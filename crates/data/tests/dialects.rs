@@ -118,14 +118,63 @@ fn the_user_can_name_every_column() {
 }
 
 #[test]
-fn another_unit_than_the_models_is_said() {
-    let text = "t,u [kN*m],phi_m_deg,still\n0,1,2,1\n";
+fn another_unit_than_the_models_is_converted() {
+    let text = "t,u [kN*m],phi_m_deg,still\n0,1.1,90,1\n";
+    let (record, samples) = open(text, &rig(), RecordOptions::default());
+    assert_eq!(record.warnings(), [""; 0]);
+    assert_eq!(
+        record.conversions(),
+        [
+            "the column `u [kN*m]` is in kN*m and converted to N*m: times 1000",
+            "the column `phi_m_deg` is in deg and converted to rad: times pi/180",
+        ]
+    );
+    assert_eq!(samples[0].inputs, [decimal("1100").to_interval()]);
+    let right_angle = interval(
+        "1.57079632679489661923132169",
+        "1.57079632679489661923132170",
+    );
+    let widened = rig().outputs[0].error.enclose(right_angle);
+    let angle = samples[0].outputs[0].unwrap();
+    assert!(widened.is_subset_of(angle), "{angle}");
+    assert!(angle.is_subset_of(widened.inflate(1e-15)), "{angle}");
+}
+
+#[test]
+fn recorded_bounds_are_converted_too() {
+    let text = "t,u [N*m],phi_m.lo [deg],phi_m.hi [deg],still\n0,1,-90,180,1\n";
+    let (_, samples) = open(text, &rig(), RecordOptions::default());
+    let bounds = samples[0].outputs[0].unwrap();
+    assert!(interval("-1.6707963267", "3.2415926535").is_subset_of(bounds));
+    assert!(bounds.is_subset_of(interval("-1.6707963268", "3.2415926536")));
+}
+
+#[test]
+fn the_unit_of_the_model_in_another_spelling_changes_nothing() {
+    let plain = "t,u,phi_m,still\n0,0.1,0.3,1\n";
+    let (_, expected) = open(plain, &rig(), RecordOptions::default());
+    for units in [
+        "t,u_Nm,phi_m_rad,still",
+        "t,u [J],phi_m (rad),still",
+        "t,u [N.m],phi_m [rad],still",
+    ] {
+        let text = plain.replace("t,u,phi_m,still", units);
+        let (record, samples) = open(&text, &rig(), RecordOptions::default());
+        assert_eq!(samples[0].inputs, expected[0].inputs);
+        assert_eq!(samples[0].outputs, expected[0].outputs);
+        assert!(record.warnings().is_empty() && record.conversions().is_empty());
+    }
+}
+
+#[test]
+fn a_unit_that_is_not_known_is_said() {
+    let text = "t,u [motor],phi_m [counts],still\n0,1,2,1\n";
     let (record, _) = open(text, &rig(), RecordOptions::default());
     assert_eq!(
         record.warnings(),
         [
-            "the column `u [kN*m]` is in kN*m, the model says N*m for `u`: the numbers are taken as they are",
-            "the column `phi_m_deg` is in deg, the model says rad for `phi_m`: the numbers are taken as they are",
+            "the column `u [motor]` is in motor, the model says N*m for `u`: the numbers are taken as they are",
+            "the column `phi_m [counts]` is in counts, the model says rad for `phi_m`: the numbers are taken as they are",
         ]
     );
 }

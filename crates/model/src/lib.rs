@@ -11,7 +11,7 @@ mod regular;
 pub mod series;
 mod syntax;
 pub mod tape;
-mod units;
+pub mod units;
 
 pub use diagnostic::{Diagnostic, Diagnostics, SourceText};
 pub use facts::{Facts, ModeFacts};
@@ -23,3 +23,4 @@ pub use model::{
 pub use regular::Regular;
 pub use series::{Coefficients, SeriesTape};
 pub use tape::{Layout, Tape};
+pub use units::Unit;

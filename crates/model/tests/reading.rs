@@ -140,7 +140,7 @@ fn stick_at_a_moving_belt() {
 #[test]
 fn names_may_use_any_letters() {
     let text = "format = 1\nstates = [\"φ [rad]\", \"ω\"]\ninit = { \"φ\" = 0, \"ω\" = 1 }\n\
-                der = { \"φ\" = \"ω\", \"ω\" = \"-sin(φ)\" }\noutputs = { y = \"φ ± 0.1 [°]\" }";
+                der = { \"φ\" = \"ω\", \"ω\" = \"-sin(φ)\" }\noutputs = { y = \"φ*180/pi ± 0.1 [°]\" }";
     let model = Model::from_text("m.toml", text).unwrap();
     assert_eq!(model.outputs[0].unit, "°");
 }

@@ -180,15 +180,66 @@ fn missing_values_are_counted_and_unused_columns_named() {
 #[test]
 fn another_unit_is_said_even_to_those_who_want_to_hear_nothing() {
     let place = Place::new();
-    let record = cart_record(5).replace("pos", "pos [mm]");
+    let record = cart_record(5).replace("pos", "pos [ticks]");
     let (model, record) = (place.file("m.toml", CART), place.file("r.csv", record));
     let ran = place.observe(&model, &record, &["--quiet"]).ended(0);
-    let text = "the column `pos [mm]` is in mm, the model says m for `pos`: the numbers are taken \
+    let text = "the column `pos [ticks]` is in ticks, the model says m for `pos`: the numbers are taken \
                 as they are";
     assert_eq!(ran.err, format!("warning: {text}\n"));
     let summary = json(&place.read("out/summary.json"));
     assert_eq!(summary["assumptions"], serde_json::json!([text]));
     assert!(place.read("out/run.toml").contains(text));
+}
+
+#[test]
+fn a_record_in_another_unit_gives_the_same_bounds() {
+    let place = Place::new();
+    let model = place.file("m.toml", CART);
+    let plain = place.file("plain.csv", cart_record(21));
+    place.observe(&model, &plain, &[]).ended(0);
+    let expected = (place.read("out/states.csv"), place.read("out/params.csv"));
+    let mut text = String::from("t,u [mV],pos [cm]\n");
+    for k in 0..21 {
+        text += &format!("{}.{},1000,{}\n", k / 10, k % 10, 20 * k);
+    }
+    let scaled = place.file("scaled.csv", text);
+    let ran = place.observe(&model, &scaled, &[]).ended(0);
+    let said = [
+        "the column `u [mV]` is in mV and converted to V: times 1/1000",
+        "the column `pos [cm]` is in cm and converted to m: times 1/100",
+    ];
+    assert_eq!(ran.err, format!("note: {}\nnote: {}\n", said[0], said[1]));
+    let summary = json(&place.read("out/summary.json"));
+    assert_eq!(summary["assumptions"], serde_json::json!(said));
+    assert!(
+        said.iter()
+            .all(|said| place.read("out/run.toml").contains(said))
+    );
+    let found = (place.read("out/states.csv"), place.read("out/params.csv"));
+    assert_eq!(found, expected);
+}
+
+#[test]
+fn a_record_in_degrees_gives_bounds_that_overlap_those_of_one_in_radians() {
+    let place = Place::new();
+    let model = CART.replace("[m]", "[rad]").replace("m/(V*s)", "rad/(V*s)");
+    let model = place.file("m.toml", model);
+    let mut texts = ["t,u,pos [rad]\n", "t,u,pos [deg]\n"].map(String::from);
+    for k in 0..21 {
+        let (time, angle) = (f64::from(k) / 10.0, f64::from(k) / 5.0);
+        texts[0] += &format!("{time:.1},1,{angle:.1}\n");
+        texts[1] += &format!("{time:.1},1,{:.15}\n", angle.to_degrees());
+    }
+    let found = texts.map(|text| {
+        let record = place.file("r.csv", text);
+        place.observe(&model, &record, &[]).ended(0);
+        bounds(&place.read("out/params.csv"), "k")
+    });
+    assert_eq!(found[0].len(), 21);
+    for (one, other) in found[0].iter().zip(&found[1]) {
+        assert!(one.0 <= other.1 && other.0 <= one.1, "{one:?} {other:?}");
+        assert!((one.0 - other.0).abs() < 1e-9 && (one.1 - other.1).abs() < 1e-9);
+    }
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! The header line: what its columns are called, and how a name finds its column.
 
-use super::units;
+use super::units::{self, Written};
 use crate::reader::fields::{QuoteError, content, split};
 use std::ops::Range;
 use std::sync::Arc;
@@ -93,15 +93,16 @@ impl Header {
         only(self.singles(|column| appended(column).is_some_and(|s| units::is_usual(&s))))
     }
 
-    /// The unit that the columns at `place` are written in, as far as their headers tell.
-    pub(crate) fn unit_of(&self, place: Place, variable: &str) -> Option<&str> {
-        let (Place::Value(at) | Place::Bounds(at, _)) = place;
+    /// The unit that a column is written in, as far as its header tells.
+    pub(crate) fn unit_of(&self, at: usize, variable: &str) -> Option<Written<'_>> {
         let column = self.columns.get(at)?;
-        let appended = || {
-            let suffix = column.appended_unit(variable)?;
-            units::is_usual(suffix).then_some(suffix)
+        let appended = column.appended_unit(variable);
+        let appended = appended.filter(|suffix| units::is_usual(suffix));
+        let (text, is_appended) = match &column.unit {
+            Some(unit) => (unit.as_str(), false),
+            None => (appended?, true),
         };
-        column.unit.as_deref().or_else(appended)
+        Some(Written { text, is_appended })
     }
 
     /// The header of one column, as the user wrote it.

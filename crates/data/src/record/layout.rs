@@ -1,12 +1,14 @@
 //! Which column belongs to which variable of the model.
 
+use super::RecordOptions;
 use super::header::{Header, NotFound, Place};
 use super::problems::Problems;
 use super::similar::closest;
-use super::{RecordOptions, units};
-use veribound_interval::Interval;
+use super::units;
+use veribound_interval::{Decimal, Interval};
 use veribound_model::diagnostic::Diagnostic;
 use veribound_model::model::{ErrorBound, Model};
+use veribound_model::units::Conversion;
 
 /// Usual names of the time column, in lower case.
 const TIME_NAMES: [&str; 4] = ["t", "time", "timestamp", "stamp"];
@@ -17,6 +19,18 @@ pub(crate) struct Source {
     pub name: String,
     pub place: Place,
     pub error: ErrorBound,
+    /// From the unit of the column to the unit of the model, where it is another one.
+    pub conversion: Option<Conversion>,
+}
+
+impl Source {
+    /// The smallest interval around a recorded number, in the unit of the model.
+    pub(crate) fn enclose(&self, number: &Decimal) -> Interval {
+        match &self.conversion {
+            Some(conversion) => conversion.apply(number),
+            None => number.to_interval(),
+        }
+    }
 }
 
 /// Where everything the model needs stands in a row.
@@ -35,6 +49,8 @@ pub(crate) struct Layout {
     pub ignored: Vec<String>,
     /// What a user should know and no rule forbids.
     pub warnings: Vec<String>,
+    /// Columns whose numbers are converted, in sentences.
+    pub conversions: Vec<String>,
 }
 
 /// What a variable is, for messages.
@@ -61,6 +77,7 @@ pub(crate) struct Finder<'a> {
     pub options: &'a RecordOptions,
     pub problems: &'a mut Problems,
     pub warnings: Vec<String>,
+    pub conversions: Vec<String>,
 }
 
 impl Finder<'_> {
@@ -79,31 +96,15 @@ impl Finder<'_> {
         let time = self.time();
         let mut inputs = Vec::new();
         for input in model.recorded_inputs() {
-            let place = self.variable(
-                &input.name,
-                &input.unit,
-                input.column.as_deref(),
-                Kind::Input,
-            );
-            inputs.extend(place.map(|place| Source {
-                name: input.name.clone(),
-                place,
-                error: input.error.clone(),
-            }));
+            let names = (input.name.as_str(), input.unit.as_str());
+            let column = input.column.as_deref();
+            inputs.extend(self.source(names, column, &input.error, Kind::Input));
         }
         let mut outputs = Vec::new();
         for output in &model.outputs {
-            let place = self.variable(
-                &output.name,
-                &output.unit,
-                output.column.as_deref(),
-                Kind::Output,
-            );
-            outputs.extend(place.map(|place| Source {
-                name: output.name.clone(),
-                place,
-                error: output.error.clone(),
-            }));
+            let names = (output.name.as_str(), output.unit.as_str());
+            let column = output.column.as_deref();
+            outputs.extend(self.source(names, column, &output.error, Kind::Output));
         }
         let mut signals = Vec::new();
         for signal in &model.signals {
@@ -126,9 +127,26 @@ impl Finder<'_> {
             pairs: Vec::new(),
             ignored: Vec::new(),
             warnings: self.warnings,
+            conversions: self.conversions,
         };
         layout.describe();
         Some(layout)
+    }
+
+    fn source(
+        &mut self,
+        (name, unit): (&str, &str),
+        column: Option<&str>,
+        error: &ErrorBound,
+        kind: Kind,
+    ) -> Option<Source> {
+        let place = self.variable(name, unit, column, kind)?;
+        Some(Source {
+            name: name.to_owned(),
+            place,
+            error: error.clone(),
+            conversion: self.conversion(place, name, unit),
+        })
     }
 
     fn time(&mut self) -> Option<usize> {
@@ -222,12 +240,7 @@ impl Finder<'_> {
             None => self.header.find_variable(name, unit),
         };
         match found {
-            Ok(place) => {
-                if kind != Kind::Signal {
-                    self.compare_units(place, name, unit);
-                }
-                Some(place)
-            }
+            Ok(place) => Some(place),
             Err(NotFound::Missing) => {
                 let word = kind.word();
                 let message = match wanted {
@@ -248,18 +261,6 @@ impl Finder<'_> {
                 self.ambiguous(&what, &places, &format!("--column {name}="));
                 None
             }
-        }
-    }
-
-    fn compare_units(&mut self, place: Place, name: &str, unit: &str) {
-        let Some(written) = self.header.unit_of(place, name) else {
-            return;
-        };
-        if !unit.is_empty() && !units::is_same(written, unit) {
-            self.warnings.push(format!(
-                "the column `{}` is in {written}, the model says {unit} for `{name}`: the numbers are taken as they are",
-                self.header.spell(place)
-            ));
         }
     }
 

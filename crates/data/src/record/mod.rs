@@ -1,6 +1,7 @@
 //! Records in: a CSV file becomes samples, one at a time.
 
 mod cell;
+mod conversion;
 mod header;
 mod layout;
 mod messages;
@@ -43,7 +44,9 @@ pub struct RecordOptions {
 ///
 /// *Guarantee*: for every sample, the true value of an input (output) lies in its interval, if it
 /// differed from the recorded decimal by no more than the error bound of the model. Recorded bounds
-/// (`phi.lo`, `phi.hi`) are taken as recorded values too: the error bound widens them.
+/// (`phi.lo`, `phi.hi`) are taken as recorded values too: the error bound widens them. A number in
+/// another unit than the model's is multiplied by an enclosure of the exact factor first; error
+/// bounds are in the unit of the model.
 ///
 /// An empty field or `NaN` of an output or a signal is a missing value: nothing was recorded there, so
 /// nothing is claimed ([`Record::missing`] counts them). Of an input or of the time it is an error.
@@ -102,6 +105,7 @@ impl Record {
             options: &options,
             problems: &mut problems,
             warnings: Vec::new(),
+            conversions: Vec::new(),
         };
         let Some(layout) = finder.find(model) else {
             return Err(problems.into_error(&name));
@@ -190,7 +194,13 @@ impl Record {
         &self.missing
     }
 
-    /// What the user should know: a column whose unit is not the model's.
+    /// What was converted: every column in another unit than the model's, of the same dimension,
+    /// with its factor.
+    pub fn conversions(&self) -> &[String] {
+        &self.layout.conversions
+    }
+
+    /// What the user should know: a column whose unit is not the model's and is not converted.
     pub fn warnings(&self) -> &[String] {
         &self.layout.warnings
     }

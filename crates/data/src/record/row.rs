@@ -128,7 +128,7 @@ impl Cells<'_> {
             let recorded = match source.place {
                 Place::Value(at) => self
                     .required(at, Need::Input)
-                    .map(|value| value.to_interval()),
+                    .map(|value| source.enclose(&value)),
                 Place::Bounds(lo, hi) => self.between(source, (lo, hi), Need::InputBound),
             };
             values.extend(recorded.map(|recorded| source.error.enclose(recorded)));
@@ -142,7 +142,10 @@ impl Cells<'_> {
         let mut values = Vec::with_capacity(layout.outputs.len());
         for source in &layout.outputs {
             let recorded = match source.place {
-                Place::Value(at) => self.number(at).map(|value| value.map(|d| d.to_interval())),
+                Place::Value(at) => {
+                    let number = self.number(at);
+                    number.map(|value| value.map(|value| source.enclose(&value)))
+                }
                 Place::Bounds(lo, hi) if self.is_missing(lo) && self.is_missing(hi) => Ok(None),
                 Place::Bounds(lo, hi) => {
                     self.between(source, (lo, hi), Need::OutputBound).map(Some)
@@ -171,7 +174,7 @@ impl Cells<'_> {
         values
     }
 
-    /// The smallest interval around two recorded bounds.
+    /// The smallest interval around two recorded bounds, in the unit of the model.
     fn between(
         &mut self,
         source: &Source,
@@ -186,7 +189,7 @@ impl Cells<'_> {
                 messages::reversed(line, range, &source.name, (&lower, &upper))
             }));
         }
-        Ok(lower.to_interval().hull(upper.to_interval()))
+        Ok(source.enclose(&lower).hull(source.enclose(&upper)))
     }
 
     /// A number that must be there.

@@ -18,7 +18,7 @@ pub fn interval(lo: &str, hi: &str) -> Interval {
 pub fn model(inputs: &str, outputs: &str, signals: &str) -> Model {
     let text = format!(
         "format = 1\n\
-         [states]\nx = {{ unit = \"m\", init = 0 }}\n\
+         [states]\nx = {{ init = 0 }}\n\
          [inputs]\n{inputs}\n\
          [params]\nalpha = [-6, -0.05]\nbeta = {{ unit = \"1/s\", bounds = [100, 400] }}\n\
          [der]\nx = \"alpha + beta\"\n\

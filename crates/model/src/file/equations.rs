@@ -11,7 +11,7 @@ use std::ops::Range;
 pub(crate) struct Definition {
     name: String,
     place: Range<usize>,
-    equation: Option<Equation>,
+    pub equation: Option<Equation>,
 }
 
 /// A mode as the file says it: set-valued functions are not expanded yet.
@@ -19,9 +19,9 @@ pub(crate) struct WrittenMode {
     /// Empty for the one mode that [der] stands for.
     pub name: String,
     pub place: Range<usize>,
-    guard: Option<Equation>,
+    pub guard: Option<Equation>,
     /// By state.
-    der: Vec<Option<Equation>>,
+    pub der: Vec<Option<Equation>>,
 }
 
 fn equation(reader: &mut Reader, value: Value, help: &str) -> Option<Equation> {
@@ -65,13 +65,13 @@ pub(crate) fn definitions(reader: &mut Reader, file: &Table, scope: &mut Scope) 
     found
 }
 
-/// Puts every [let] into the graph, in the order in which they need each other.
+/// Puts every [let] into the graph, in the order in which they need each other; gives that order.
 pub(crate) fn define(
     reader: &mut Reader,
     scope: &Scope,
     lowering: &mut Lowering,
     definitions: &[Definition],
-) {
+) -> Vec<usize> {
     let needs: Vec<Vec<usize>> = definitions
         .iter()
         .map(|definition| {
@@ -89,6 +89,7 @@ pub(crate) fn define(
         .collect();
     let mut is_done = vec![false; definitions.len()];
     let mut open: Vec<usize> = (0..definitions.len()).collect();
+    let mut order = Vec::new();
     loop {
         let is_ready = |i: &usize| {
             let needed = needs.get(*i).into_iter().flatten();
@@ -102,6 +103,7 @@ pub(crate) fn define(
             break;
         }
         for index in ready {
+            order.push(index);
             if let Some(done) = is_done.get_mut(index) {
                 *done = true;
             }
@@ -119,6 +121,7 @@ pub(crate) fn define(
         }
     }
     report_cycles(reader, definitions, &needs, &open);
+    order
 }
 
 /// Reports each circle among the definitions that wait for each other for ever.

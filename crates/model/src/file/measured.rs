@@ -10,25 +10,25 @@ use crate::file::text::Text;
 use crate::graph::{Node, Var};
 use crate::model::{ErrorBound, Output, Reset, Signal, State};
 use crate::syntax::{number, parse};
-use crate::units;
+use crate::units::{self, Unit};
 use std::ops::Range;
 use toml::de::DeValue;
 use veribound_interval::Decimal;
 
 /// An output before its expression is in the graph.
 pub(crate) struct ReadOutput {
-    name: String,
-    unit: String,
+    pub name: String,
+    pub unit: String,
     column: Option<String>,
     error: ErrorBound,
-    equation: Equation,
+    pub equation: Equation,
 }
 
 /// A signal before its equalities are in the graph.
 pub(crate) struct ReadSignal {
     name: String,
     column: Option<String>,
-    proves: Vec<Equation>,
+    pub proves: Vec<Equation>,
     latency: Decimal,
 }
 
@@ -82,7 +82,7 @@ fn short_output(reader: &mut Reader, entry: &Entry, text: Text) -> Option<ReadOu
         .clone()
         .and_then(|range| text.value.get(range))
         .unwrap_or("");
-    if let Err(problem) = units::check(unit) {
+    if let Err(problem) = Unit::read(unit) {
         let start = unit_range.map_or(0, |range| range.start);
         reader.report_in(&text, problem.shifted(start));
     }

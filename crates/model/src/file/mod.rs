@@ -1,6 +1,7 @@
 //! From a model file to a [`Model`]: one pass that collects every problem before it gives up.
 
 mod constants;
+mod dimensions;
 mod disturbances;
 mod equations;
 mod lower;
@@ -180,18 +181,29 @@ fn model(reader: &mut Reader, file: &Table) -> Option<Model> {
 
     // [2/4] Equations into the graph.
     let mut lowering = Lowering::new(&scope, params.len(), definitions.len());
-    equations::define(reader, &scope, &mut lowering, &definitions);
+    let order = equations::define(reader, &scope, &mut lowering, &definitions);
     let has_guards = file.find("modes").is_some();
     let lowered: Vec<Option<(Guard, Vec<_>)>> = written
         .iter()
         .map(|mode| equations::lower_mode(reader, &mut lowering, mode, has_guards))
         .collect();
+    let units = dimensions::Written {
+        scope: &scope,
+        states: &states,
+        inputs: &inputs,
+        params: &params,
+        definitions: &definitions,
+        order: &order,
+        modes: &written,
+        outputs: &outputs,
+        signals: &signals,
+    };
+    let mut notes = dimensions::check(reader, &units);
     let outputs = measured::lower_outputs(reader, &mut lowering, outputs, &states);
     let signals = measured::lower_signals(reader, &mut lowering, signals, resets);
     let lowered: Vec<(Guard, Vec<_>)> = lowered.into_iter().collect::<Option<_>>()?;
 
     // [3/4] Set-valued functions into modes.
-    let mut notes = Vec::new();
     let mut modes: Vec<Mode> = Vec::new();
     for (mode, (guard, der)) in written.iter().zip(&lowered) {
         let more = modes::expand(&mut lowering, &mode.name, guard, der, &mut notes);

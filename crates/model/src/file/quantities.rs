@@ -6,7 +6,7 @@ use crate::file::reader::{Reader, Table, Value};
 use crate::file::scope::{Meaning, Scope};
 use crate::file::text::Text;
 use crate::model::{ErrorBound, Input, Param, State};
-use crate::units;
+use crate::units::{self, Unit};
 use std::ops::Range;
 use toml::de::DeValue;
 use veribound_interval::{Decimal, Interval};
@@ -25,7 +25,7 @@ pub(crate) fn unit(reader: &mut Reader, table: &Table) -> String {
     let Some(text) = reader.string(value, "write the unit as a string, as in \"rad/s\"") else {
         return String::new();
     };
-    if let Err(problem) = units::check(&text.value) {
+    if let Err(problem) = Unit::read(&text.value) {
         reader.report_in(&text, problem);
     }
     text.value
@@ -44,7 +44,7 @@ fn name_with_unit(reader: &mut Reader, text: &Text) -> Option<(String, Range<usi
         .clone()
         .and_then(|range| text.value.get(range))
         .unwrap_or("");
-    if let Err(problem) = units::check(unit_text) {
+    if let Err(problem) = Unit::read(unit_text) {
         let start = unit.map_or(0, |range| range.start);
         reader.report_in(text, problem.shifted(start));
     }

@@ -16,6 +16,7 @@ mod overwriting;
 mod profile;
 mod progress;
 mod run_info;
+mod same_units;
 mod simulate;
 mod table;
 mod verdict;

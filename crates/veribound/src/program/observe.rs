@@ -47,6 +47,7 @@ pub fn run(arguments: &Observe) -> Outcome {
     let mut model = Model::from_file(&arguments.model)?;
     let mut said = assumptions::weaken(&mut model, &arguments.assumptions)?;
     let record = open_record(arguments, &model)?;
+    said.extend(record.conversions().iter().cloned());
     said.extend(record.warnings().iter().cloned());
     if let Some(from) = &arguments.reading.from {
         said.push(format!(

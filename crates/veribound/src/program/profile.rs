@@ -1,7 +1,7 @@
 //! The times of a simulated record, and the inputs over time.
 
 use super::arguments::Simulate;
-use super::progress;
+use super::{progress, same_units};
 use std::fs;
 use std::path::{Path, PathBuf};
 use veribound_data::{Record, RecordOptions, TableReader};
@@ -44,9 +44,11 @@ struct Point {
 impl Profile {
     /// Opens the profile that the flags name.
     pub fn open(arguments: &Simulate, model: &Model) -> Result<Profile, Diagnostics> {
+        same_units::of_columns(model)?;
         let (mut points, last, count) = match &arguments.input {
             Some(path) => {
                 let record = check(path, model)?;
+                same_units::of_profile(&record)?;
                 let points = Points::of_table(path, &record)?;
                 (points, record.last().clone(), record.len())
             }
