@@ -139,6 +139,12 @@ impl Graph {
         }
     }
 
+    /// The positive number of which `e` is the negative one.
+    fn opposite(&mut self, e: ExprId) -> Option<ExprId> {
+        let positive = -self.as_constant(e).filter(|x| x.is_negative())?;
+        Some(self.constant(positive))
+    }
+
     /// `a + b`
     pub fn add(&mut self, a: ExprId, b: ExprId) -> ExprId {
         if let (Some(x), Some(y)) = (self.as_constant(a), self.as_constant(b)) {
@@ -151,10 +157,10 @@ impl Graph {
         if self.is_zero(b) {
             return a;
         }
-        if let Some(b) = self.negated(b) {
+        if let Some(b) = self.negated(b).or_else(|| self.opposite(b)) {
             return self.sub(a, b);
         }
-        if let Some(a) = self.negated(a) {
+        if let Some(a) = self.negated(a).or_else(|| self.opposite(a)) {
             return self.sub(b, a);
         }
         self.intern(Node::Binary(Binary::Add, a.min(b), a.max(b)))
@@ -175,7 +181,7 @@ impl Graph {
         if self.is_zero(a) {
             return self.neg(b);
         }
-        if let Some(b) = self.negated(b) {
+        if let Some(b) = self.negated(b).or_else(|| self.opposite(b)) {
             return self.add(a, b);
         }
         self.intern(Node::Binary(Binary::Sub, a, b))

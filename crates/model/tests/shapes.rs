@@ -176,3 +176,19 @@ fn logarithms_to_a_base() {
     assert!(values("log2(x)", (1024.0, 1024.0)).contains(10.0));
     assert!(values("log10(x)", (1000.0, 1000.0)).width() < 1e-14);
 }
+
+#[test]
+fn negative_numbers_are_not_shown_behind_signs() {
+    for (written, shown) in [
+        ("x - -0.5", "x + 0.5"),
+        ("x + -0.5", "x - 0.5"),
+        ("-0.5 + x", "x - 0.5"),
+        ("-0.5 - x", "-0.5 - x"),
+    ] {
+        let model = model(written);
+        assert_eq!(
+            model.graph.show(model.modes[0].der[0], &model.names()),
+            shown
+        );
+    }
+}

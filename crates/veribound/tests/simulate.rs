@@ -248,3 +248,43 @@ fn what_is_not_known_is_asked_for() {
         "more than the model allows",
     );
 }
+
+#[test]
+fn what_the_model_fixes_needs_no_value() {
+    let place = Place::new();
+    let fixed = DECAY.replace("params.k = [0, 3]", "params.k = { fixed = 0.1 }");
+    let model = place.file("m.toml", &fixed);
+    let flags = [
+        "simulate", &model, "--until", "1", "--every", "0.5", "-o", "r.csv",
+    ];
+    place.run(&flags).ended(0);
+    assert!(
+        place
+            .read("r.csv")
+            .starts_with("# veribound simulate m.toml --until 1 ")
+    );
+    let free = place.file("free.toml", DECAY);
+    let ran = place
+        .run(&[
+            "simulate", &free, "--until", "1", "--every", "0.5", "-o", "r.csv",
+        ])
+        .ended(2);
+    assert!(ran.err.contains("no value is given for `k`"), "{}", ran.err);
+}
+
+#[test]
+fn too_few_decimals_are_called_so() {
+    let place = Place::new();
+    let sharp = DECAY.replace("+- 0.1", "+- 0.0005");
+    let model = place.file("m.toml", &sharp);
+    let ran = place
+        .run(&[
+            "simulate", &model, "--params", "k=1", "--until", "1", "--every", "0.5", "-o", "r.csv",
+        ])
+        .ended(2);
+    assert!(
+        ran.err.contains("rounding `y` to 4 decimals") && ran.err.contains("`--decimals`"),
+        "{}",
+        ran.err
+    );
+}

@@ -213,13 +213,8 @@ pub struct Simulate {
     /// Model file (TOML)
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
-    /// Value of every parameter
-    #[arg(
-        long,
-        value_name = "NAME=VALUE,...",
-        value_delimiter = ',',
-        required = true
-    )]
+    /// Value of every parameter that the model does not fix
+    #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',')]
     pub params: Vec<Assignment>,
     /// Start value of the states; needed where the model file has an interval
     #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',')]

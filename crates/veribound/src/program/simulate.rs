@@ -167,7 +167,7 @@ impl Now<'_> {
         let slack = round::add_up(value.rad(), noise.rounding());
         let allowed = LARGEST_SLACK * if bound > 0.0 { bound } else { size };
         if slack.is_nan() || slack > allowed {
-            return Err(imprecise(output, time, value, noise.decimals()));
+            return Err(imprecise(output, time, value, noise));
         }
         let reach = (bound - slack).max(0.0);
         let share = if error == Some(&ErrorFlag::Worst) {
@@ -201,6 +201,11 @@ fn params(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnost
         .map(|param| param.name.as_str())
         .collect();
     let values = assigned(("--params", "parameter"), &names, given)?;
+    let known = model.params.iter().zip(&values).map(|(param, value)| {
+        let own = Some(param.bounds).filter(|bounds| is_number(*bounds));
+        value.as_ref().map(Decimal::to_interval).or(own)
+    });
+    let values: Vec<Option<Interval>> = known.collect();
     let missing = names
         .iter()
         .zip(&values)
@@ -213,11 +218,12 @@ fn params(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnost
             .help(format!("add `--params {}`", example.join(",")))
             .into());
     }
-    Ok(values
-        .into_iter()
-        .flatten()
-        .map(|value| value.to_interval())
-        .collect())
+    Ok(values.into_iter().flatten().collect())
+}
+
+/// Whether an interval stands for one number: a decimal fills at most two neighbouring floats.
+fn is_number(x: Interval) -> bool {
+    x.is_point() || x.lo().next_up() == x.hi()
 }
 
 fn start(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnostics> {
@@ -229,11 +235,9 @@ fn start(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnosti
     let values = assigned(("--start", "state"), &names, given)?;
     let mut start = Vec::new();
     for (state, value) in model.states.iter().zip(values) {
-        // One decimal fills at most two neighbouring floats.
-        let is_known = state.init.is_point() || state.init.lo().next_up() == state.init.hi();
         match value {
             Some(value) => start.push(value.to_interval()),
-            None if is_known => start.push(state.init),
+            None if is_number(state.init) => start.push(state.init),
             None => {
                 let init = numbers::show_prior(state.init);
                 let message = format!("the state `{}` starts anywhere in {init}", state.name);
@@ -356,7 +360,9 @@ fn header(arguments: &Simulate, model: &Model) -> String {
     let mut flag = |name: &str, value: String| {
         let _ = write!(line, " --{name} {value}");
     };
-    flag("params", assignments(&arguments.params));
+    if !arguments.params.is_empty() {
+        flag("params", assignments(&arguments.params));
+    }
     if !arguments.start.is_empty() {
         flag("start", assignments(&arguments.start));
     }
@@ -451,7 +457,15 @@ fn too_wide(time: &Decimal, stopped: &Stopped) -> Diagnostic {
     .help("use more internal steps with `--steps`, or stop earlier with `--until`")
 }
 
-fn imprecise(output: &Output, time: &Decimal, value: Interval, decimals: usize) -> Diagnostic {
+fn imprecise(output: &Output, time: &Decimal, value: Interval, noise: &Noise) -> Diagnostic {
+    let decimals = noise.decimals();
+    if value.rad() < noise.rounding() {
+        let message = format!(
+            "at t = {time} s rounding `{}` to {decimals} decimals takes too much of its error bound",
+            output.name
+        );
+        return Diagnostic::new("E0609", message).help("use more decimals: `--decimals`");
+    }
     let message = format!(
         "at t = {time} s `{}` is known to lie in {} only; written with {decimals} decimals this \
          takes too much of its error bound",

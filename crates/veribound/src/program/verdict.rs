@@ -152,11 +152,11 @@ fn refuted(model: &Model, record: &Record, refutation: &Refutation) -> Diagnosti
              the unit of the model"
         ),
         Contradiction::Output { .. } => format!(
-            "widen what is not certain: the error bound of `{name}`, the priors, `--input-error`, \
+            "widen what is not certain: the error bound of `{name}`, the priors, disturbances, `--input-error`, \
              or `--reset` for a parameter that changes"
         ),
         Contradiction::Motion { .. } => String::from(
-            "widen what is not certain: the error bounds of the outputs, the priors, `--input-error`, \
+            "widen what is not certain: the error bounds of the outputs, the priors, disturbances, `--input-error`, \
              or `--reset` for a parameter that changes",
         ),
         Contradiction::Signal { .. } => {
