@@ -33,6 +33,8 @@ fn says(text: &str, parts: &[&str]) {
     }
     assert!(!text.contains("panicked"), "{text}");
     assert!(text.contains("help: "), "nothing to do in:\n{text}");
+    let last = text.lines().last().unwrap();
+    assert!(last.contains("try: veribound explain E0"), "{text}");
 }
 
 fn wrong_model(from: &str, to: &str, parts: &[&str]) {

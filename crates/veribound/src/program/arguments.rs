@@ -40,6 +40,8 @@ pub enum Command {
     Observe(Box<Observe>),
     /// Make a record of a model with known parameters; its errors are proved to stay in bounds
     Simulate(Box<Simulate>),
+    /// Tell what an error code means, why it matters and how to repair it; without a code, list all
+    Explain(Explain),
 }
 
 /// Flags of `veribound check`.
@@ -250,6 +252,14 @@ pub struct Simulate {
     /// Record to write (CSV); it appears when all of it is proved
     #[arg(short, long, value_name = "RECORD")]
     pub output: PathBuf,
+}
+
+/// Arguments of `veribound explain`.
+#[derive(Debug, Args)]
+pub struct Explain {
+    /// Codes as in `error[E0213]`: E0213, or 213
+    #[arg(value_name = "CODE")]
+    pub codes: Vec<String>,
 }
 
 /// Formats of figures.

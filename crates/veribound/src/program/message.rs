@@ -20,12 +20,30 @@ pub fn remark(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-/// Writes problems to stderr, in colour on a terminal.
+/// Writes problems to stderr, in colour on a terminal, and where more is told about them.
 pub fn complain(problems: &Diagnostics) {
     let color = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    let _ = io::stderr()
-        .lock()
-        .write_all(problems.render(color).as_bytes());
+    let text = format!("{}\n{}", problems.render(color), more_about(problems));
+    let _ = io::stderr().lock().write_all(text.as_bytes());
+}
+
+/// The command that explains the codes of `problems`, each once.
+fn more_about(problems: &Diagnostics) -> String {
+    let mut codes: Vec<&str> = Vec::new();
+    for problem in &problems.0 {
+        if !codes.contains(&problem.code) {
+            codes.push(problem.code);
+        }
+    }
+    let it = if problems.0.len() == 1 {
+        "this error"
+    } else {
+        "these errors"
+    };
+    format!(
+        "for more about {it}, try: veribound explain {}\n",
+        codes.join(" ")
+    )
 }
 
 /// A problem with the value of a flag, shown as it was typed.

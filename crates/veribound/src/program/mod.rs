@@ -4,6 +4,7 @@ mod arguments;
 mod assumptions;
 mod check;
 mod ending;
+mod explain;
 mod files;
 mod flags;
 mod interrupt;
@@ -31,22 +32,27 @@ use veribound_model::diagnostic::{Diagnostic, Diagnostics};
 /// Runs the program; the exit code is the verdict.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let done = veribound_interval::self_test()
-        .map_err(|error| unsound(&error).into())
-        .and_then(|()| match Path::refused() {
-            Some(wish) => Err(no_such_path(wish).into()),
-            None => Ok(()),
-        })
-        .and_then(|()| match &arguments.command {
-            Command::Check(check) => check::run(check),
-            Command::Observe(observe) => observe::run(observe),
-            Command::Simulate(simulate) => simulate::run(simulate),
-        });
+    let done = match &arguments.command {
+        // Computes nothing, and tells also what to do where the arithmetic is refused.
+        Command::Explain(explain) => explain::run(explain),
+        Command::Check(check) => arithmetic().and_then(|()| check::run(check)),
+        Command::Observe(observe) => arithmetic().and_then(|()| observe::run(observe)),
+        Command::Simulate(simulate) => arithmetic().and_then(|()| simulate::run(simulate)),
+    };
     let ending = done.unwrap_or_else(|problems| {
         message::complain(&problems);
         Ending::Misuse
     });
     ending.code()
+}
+
+/// Refuses arithmetic with which nothing would be proved.
+fn arithmetic() -> Result<(), Diagnostics> {
+    veribound_interval::self_test().map_err(|error| unsound(&error))?;
+    match Path::refused() {
+        Some(wish) => Err(no_such_path(wish).into()),
+        None => Ok(()),
+    }
 }
 
 fn unsound(error: &veribound_interval::SelfTestError) -> Diagnostic {
