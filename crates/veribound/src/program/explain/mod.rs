@@ -160,7 +160,7 @@ mod tests {
     use veribound_model::Model;
 
     /// The model that the examples of records belong to.
-    const MODEL: &str = "format = 1\nstates = [\"x\"]\ninputs = [\"u\"]\ninit.x = 0\n\
+    const MODEL: &str = "format = 1\nstates = [\"x [m]\"]\ninputs = [\"u [m/s]\"]\ninit.x = 0\n\
         der.x = \"u\"\noutputs.y = \"x +- 0.1\"\n";
 
     /// A fenced example, and what stands behind its opening fence.
