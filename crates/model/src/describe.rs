@@ -286,6 +286,20 @@ impl Model {
             Node::Binary(Binary::Sub, a, b) => {
                 format!("{} {symbol} {}", self.shown(a, names), self.shown(b, names))
             }
+            Node::Binary(Binary::Add, a, b) if self.graph.as_constant(b).is_some() => {
+                format!(
+                    "{} {symbol} -{}",
+                    self.shown(a, names),
+                    self.shown(b, names)
+                )
+            }
+            Node::Binary(Binary::Add, b, a) if self.graph.as_constant(b).is_some() => {
+                format!(
+                    "{} {symbol} -{}",
+                    self.shown(a, names),
+                    self.shown(b, names)
+                )
+            }
             _ => format!("{} {symbol} 0", self.shown(expr, names)),
         }
     }
