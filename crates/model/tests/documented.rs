@@ -26,11 +26,15 @@ fn read(text: &str) -> Model {
 
 #[test]
 fn its_examples_can_be_read() {
-    let [whole, modes, signals] = blocks()[..] else {
+    let [whole, chain, modes, signals] = blocks()[..] else {
         panic!("another number of examples: {}", blocks().len());
     };
     let model = read(whole);
     assert_eq!((model.modes.len(), model.inputs.len()), (3, 2));
+    let model = read(&format!(
+        "format = 1\n{chain}[outputs]\ny = \"x1 +- 0.1\"\n"
+    ));
+    assert_eq!((model.states.len(), model.params.len()), (20, 11));
     let frame = "format = 1\nstates = [\"phi\", \"omega\"]\ninputs = [\"u\"]\n\
                  init = { phi = 0, omega = 0 }\noutputs.y = \"phi +- 0.1\"\n";
     let model = read(&format!("{frame}{modes}{signals}"));

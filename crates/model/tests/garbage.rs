@@ -23,7 +23,7 @@ impl Dice {
     }
 }
 
-const PIECES: [&str; 52] = [
+const PIECES: [&str; 66] = [
     "(",
     ")",
     "[",
@@ -76,6 +76,20 @@ const PIECES: [&str; 52] = [
     "omega",
     "^-1000",
     "é",
+    "{i}",
+    "{i+1}",
+    "{n}",
+    "{",
+    "{i=1..n}",
+    "{j=1..3}",
+    "{i=n..2}",
+    "{i=1..999}",
+    "..",
+    "sum{j=1..n}(",
+    "max{j=1..n-1}(",
+    "product{i=1..3}(x{i})",
+    "any{j=2..n}(x{j} > 0)",
+    "2*",
 ];
 
 /// Longer for one text is a hang; the machine may be busy with other tests.
@@ -118,10 +132,17 @@ fn understand(text: &str) {
 #[test]
 fn changed_models_never_panic() {
     let mut dice = Dice(1);
-    let texts: Vec<String> = ["rig-long", "rig-short", "pendulum", "tanks", "emps"]
-        .iter()
-        .map(|name| std::fs::read_to_string(format!("testdata/good/{name}.toml")).unwrap())
-        .collect();
+    let texts: Vec<String> = [
+        "rig-long",
+        "rig-short",
+        "pendulum",
+        "tanks",
+        "emps",
+        "chain",
+    ]
+    .iter()
+    .map(|name| std::fs::read_to_string(format!("testdata/good/{name}.toml")).unwrap())
+    .collect();
     let start = Instant::now();
     let mut count = 0;
     while goes_on(start, count) {
@@ -291,6 +312,116 @@ fn choices_inside_choices_are_refused_at_once() {
         read(&format!(
             "format = 1\nstates = [\"x\"]\ninit.x = 0\nder.x = \"{expression}\"\noutputs.y = \"x +- 1\"\n"
         ));
+    }
+}
+
+/// A text with braces of any kind.
+fn template(dice: &mut Dice, depth: usize) -> String {
+    let index = |dice: &mut Dice| {
+        [
+            "i", "j", "n", "i+1", "2*i-1", "n-i", "-i", "0", "j*j", "(i", "k",
+        ][dice.below(11)]
+    };
+    let range = |dice: &mut Dice| {
+        let ends = [
+            "1..n", "2..n-1", "n..1", "1..i", "1..1000", "0..2", "1..", "3..2",
+        ];
+        format!("{}={}", ["i", "j", "k"][dice.below(3)], ends[dice.below(8)])
+    };
+    if depth == 0 {
+        return match dice.below(4) {
+            0 => "x1".to_string(),
+            1 => format!("{{{}}}", index(dice)),
+            2 => format!("x{{{}}}_{{{}}}", index(dice), index(dice)),
+            _ => format!("x{{{}}}", index(dice)),
+        };
+    }
+    let fold = ["sum", "product", "min", "max", "all", "any", "x", ""][dice.below(8)];
+    match dice.below(4) {
+        0 => format!(
+            "{} + {}",
+            template(dice, depth - 1),
+            template(dice, depth - 1)
+        ),
+        1 => format!("x{{{}}}", range(dice)),
+        _ => format!("{fold}{{{}}}({})", range(dice), template(dice, depth - 1)),
+    }
+}
+
+#[test]
+fn templates_are_understood_in_time() {
+    let mut dice = Dice(4);
+    let start = Instant::now();
+    let (mut count, mut models) = (0, 0);
+    while goes_on(start, count) {
+        let depth = dice.below(4);
+        let (value, item, key) = (
+            template(&mut dice, depth),
+            template(&mut dice, 1),
+            template(&mut dice, 1),
+        );
+        // Half of them are right but for the value.
+        let (item, key) = if dice.below(2) == 0 {
+            (item.as_str(), key.as_str())
+        } else {
+            ("y{i=1..n}", "y{i=1..n}")
+        };
+        let text = format!(
+            "format = 1\nsizes = {{ n = {} }}\nstates = [\"x{{i=1..4}}\", \"{item}\"]\n\
+             init = {{ \"x{{i=1..4}}\" = 0, \"{key}\" = 0 }}\nparams.\"p{{k=0..3}}\" = [0, {{}}]\n\
+             outputs.o = \"x1 +- 1\"\n[der]\n\"x{{i=1..4}}\" = \"{value}\"\n\"{key}\" = \"p{{i-1}}\"\n",
+            dice.below(5)
+        )
+        .replace("[0, {}]", "[0, 1]");
+        read(&text);
+        models += usize::from(Model::from_text("m.toml", text).is_ok());
+        count += 1;
+    }
+    assert!(count > 200, "only {count} texts in time");
+    assert!(models > count / 50, "{models} of {count} are models");
+    println!("{models} models of {count} texts in {:?}", start.elapsed());
+}
+
+#[test]
+fn templates_without_end_are_refused_at_once() {
+    let fold = |levels: usize, last: i64| {
+        let before: String = (0..levels)
+            .map(|i| format!("sum{{i{i}=1..{last}}}("))
+            .collect();
+        format!("{before}x{}", ")".repeat(levels))
+    };
+    let names = |levels: usize, last: i64| -> String {
+        let each = (0..levels).map(|i| format!("{{i{i}=1..{last}}}_"));
+        format!("p{}", each.collect::<String>())
+    };
+    for (expression, name) in [
+        (fold(3, 1000), "p".to_string()),
+        (fold(8, 2), names(9, 2)),
+        (fold(20_000, 1), "p".to_string()),
+        (fold(8, 1000), names(8, 1000)),
+        (fold(1, 1_000_000), names(1, 1_000_000)),
+        (fold(1, i64::MAX), names(1, i64::MAX)),
+        ("1".to_string(), names(8, 1000) + "{e=2..1}"),
+        (
+            "sum{a=1..1000}(sum{b=1..1000}(sum{c=2..1}(x)))".to_string(),
+            "p".to_string(),
+        ),
+        ("{".repeat(50_000), "{".repeat(50_000)),
+        (
+            format!("x{{{}1}}", "-".repeat(50_000)),
+            format!("p{{{}1}}", "(".repeat(50_000)),
+        ),
+    ] {
+        let start = Instant::now();
+        read(&format!(
+            "format = 1\nstates = [\"x\"]\ninit.x = 0\nder.x = \"{expression}\"\nparams.\"{name}\" = [0, 1]\n\
+             outputs.y = \"x +- 1\"\n"
+        ));
+        assert!(
+            start.elapsed() < Duration::from_secs(1),
+            "{:?}",
+            start.elapsed()
+        );
     }
 }
 

@@ -146,6 +146,16 @@ impl<'s> Lowering<'s> {
             Some(Meaning::Input(i)) => Var::Input(i),
             Some(Meaning::Param(i)) => Var::Param(i),
             Some(Meaning::Let(i)) => return self.lets.get(i).copied().flatten(),
+            Some(Meaning::Size) => {
+                problems.push(Problem::new(
+                    "E0201",
+                    format!("the size `{name}` stands without braces"),
+                    ast.range.clone(),
+                    "a number of [sizes]",
+                    format!("write {{{name}}}"),
+                ));
+                return None;
+            }
             Some(Meaning::Measured(what)) => {
                 problems.push(Problem::new(
                     "E0201",

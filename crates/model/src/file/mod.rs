@@ -10,6 +10,7 @@ mod modes;
 mod quantities;
 mod reader;
 mod scope;
+mod template;
 mod text;
 
 use crate::coverage::{self, Finding};
@@ -29,9 +30,10 @@ const LARGEST_FILE: usize = 1 << 18;
 /// More entries in one section are a mistake.
 const MOST_ENTRIES: usize = 1000;
 
-const SECTIONS: [&str; 13] = [
+const SECTIONS: [&str; 14] = [
     "format",
     "name",
+    "sizes",
     "states",
     "init",
     "inputs",
@@ -78,8 +80,8 @@ impl Model {
     pub fn from_text(name: &str, text: impl Into<String>) -> Result<Model, Diagnostics> {
         let source = Arc::new(SourceText::new(name, text));
         let mut reader = Reader::new(Arc::clone(&source));
-        let model = document(&mut reader);
-        let mut problems = reader.problems;
+        let model = document(&mut reader, &source);
+        let mut problems = reader.origin.restore(reader.problems, &source);
         match model {
             Some(model) if problems.is_empty() => Ok(model),
             _ => {
@@ -114,8 +116,7 @@ fn read(path: &Path) -> Result<Vec<u8>, String> {
 }
 
 /// Reads the TOML and, if that can be read, what it means.
-fn document(reader: &mut Reader) -> Option<Model> {
-    let source = Arc::clone(&reader.source);
+fn document(reader: &mut Reader, source: &Arc<SourceText>) -> Option<Model> {
     if source.text.trim().is_empty() {
         reader.problems.push(
             Diagnostic::new("E0104", format!("`{}` is empty", source.name))
@@ -155,8 +156,12 @@ fn document(reader: &mut Reader) -> Option<Model> {
     if !errors.is_empty() {
         return None;
     }
+    let expanded = template::expand(reader, table.get_ref())?;
     let end = source.text.len();
-    model(reader, &Table::new(table.get_ref(), end..end))
+    let file = Table::new(&reader.origin, &expanded, end..end);
+    let mut model = model(reader, &file)?;
+    model.source = Arc::clone(source);
+    Some(model)
 }
 
 fn model(reader: &mut Reader, file: &Table) -> Option<Model> {
@@ -169,6 +174,7 @@ fn model(reader: &mut Reader, file: &Table) -> Option<Model> {
 
     // [1/4] Declarations: after these every name is known.
     let mut scope = Scope::default();
+    template::declare_sizes(reader, file, &mut scope);
     let states = quantities::states(reader, file, &mut scope);
     let mut inputs = quantities::inputs(reader, file, &mut scope);
     disturbances::disturbances(reader, file, &mut scope, &mut inputs);

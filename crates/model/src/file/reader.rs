@@ -2,6 +2,7 @@
 //! place, and reading goes on.
 
 use crate::diagnostic::{Diagnostic, SourceText, nearest};
+use crate::file::template::Origin;
 use crate::file::text::Text;
 use crate::syntax::ast::Ast;
 use crate::syntax::{Problem, number, parse};
@@ -12,7 +13,10 @@ use veribound_interval::Decimal;
 
 /// The problems found so far and the text they are about.
 pub(crate) struct Reader {
+    /// The file, and behind it what its templates stand for.
     pub source: Arc<SourceText>,
+    /// Where that comes from.
+    pub origin: Origin,
     pub problems: Vec<Diagnostic>,
 }
 
@@ -40,7 +44,7 @@ pub(crate) struct Table<'t> {
 }
 
 impl<'t> Table<'t> {
-    pub fn new(table: &'t DeTable<'t>, place: Range<usize>) -> Self {
+    pub fn new(origin: &Origin, table: &'t DeTable<'t>, place: Range<usize>) -> Self {
         let mut entries: Vec<Entry<'t>> = table
             .iter()
             .map(|(key, value)| Entry {
@@ -53,7 +57,7 @@ impl<'t> Table<'t> {
                 },
             })
             .collect();
-        entries.sort_by_key(|entry| entry.place.start);
+        entries.sort_by_key(|entry| origin.order(entry.place.start));
         Table { place, entries }
     }
 
@@ -105,6 +109,7 @@ impl Reader {
     pub fn new(source: Arc<SourceText>) -> Self {
         Reader {
             source,
+            origin: Origin::default(),
             problems: Vec::new(),
         }
     }
@@ -178,7 +183,7 @@ impl Reader {
         help: &str,
     ) -> Option<Table<'t>> {
         match value.value {
-            DeValue::Table(table) => Some(Table::new(table, place)),
+            DeValue::Table(table) => Some(Table::new(&self.origin, table, place)),
             _ => {
                 self.expected("a table", value, help);
                 None

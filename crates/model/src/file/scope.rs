@@ -21,6 +21,8 @@ pub(crate) enum Meaning {
     Input(usize),
     Param(usize),
     Let(usize),
+    /// A number of [sizes], which belongs in braces.
+    Size,
     /// An output or a signal: taken, but no quantity of the equations.
     Measured(&'static str),
 }
@@ -32,6 +34,7 @@ impl Meaning {
             Meaning::Input(_) => "an input",
             Meaning::Param(_) => "a parameter",
             Meaning::Let(_) => "a [let]",
+            Meaning::Size => "a size",
             Meaning::Measured(what) => what,
         }
     }
@@ -99,7 +102,7 @@ impl Scope {
     fn quantities(&self) -> impl Iterator<Item = &str> {
         self.names
             .iter()
-            .filter(|(_, meaning)| !matches!(meaning, Meaning::Measured(_)))
+            .filter(|(_, meaning)| !matches!(meaning, Meaning::Measured(_) | Meaning::Size))
             .map(|(name, _)| name.as_str())
     }
 

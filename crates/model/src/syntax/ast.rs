@@ -44,6 +44,9 @@ pub(crate) enum Arithmetic {
 /// Points of a table in an equation; each costs an operation in every evaluation.
 pub(crate) const MOST_POINTS: usize = 100;
 
+/// Arguments of a smallest or largest value; each costs an operation too.
+const MOST_ARGUMENTS: usize = 400;
+
 /// Functions an equation can call.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Function {
@@ -103,7 +106,7 @@ impl Function {
     pub fn arguments(self) -> (usize, usize, &'static str) {
         match self {
             Function::Plain(_) | Function::LogTo(_) => (1, 1, "one argument"),
-            Function::Min | Function::Max => (2, 64, "two or more arguments"),
+            Function::Min | Function::Max => (2, MOST_ARGUMENTS, "two or more arguments"),
             Function::Saturation => (
                 2,
                 3,

@@ -76,7 +76,7 @@ fn unknown_character(text: &str, start: usize) -> Problem {
         '|' => "write `or`, or abs(x) for the absolute value",
         '!' => "write `not`, or `!=` between two values",
         '\'' => "write only the right-hand side; the key names the state whose derivative it is",
-        '[' | ']' | '{' | '}' => "group with round brackets: ( )",
+        '[' | ']' => "group with round brackets: ( )",
         '≤' => "write `<=`",
         '≥' => "write `>=`",
         '≠' => "write `!=`",
