@@ -55,38 +55,33 @@ fn a_chain_of_ten_masses() {
         (from..=to).map(one).collect::<Vec<_>>().join(between)
     };
     let all = |one: &dyn Fn(usize) -> String, between: &str| list(one, 1, n, between);
+    let positions = all(&|i| format!("\"x{i} [m]\""), ", ");
+    let velocities = all(&|i| format!("\"v{i} [m/s]\""), ", ");
+    let starts = all(&|i| format!("x{i} = 0"), ", ");
+    let stands = list(&|i| format!("v{i} = 0"), 1, n - 1, ", ");
+    let masses = all(
+        &|i| format!("m{i} = {{ bounds = [0.9, 1.1], unit = \"kg\" }}"),
+        "\n",
+    );
+    let kinetic = all(&|i| format!("m{i}*v{i}^2"), " + ");
+    let elastic = list(&|i| format!("(x{i} - x{})^2", i - 1), 2, n, " + ");
+    let moves = all(&|i| format!("x{i} = \"v{i}\""), "\n");
+    let force = |i| format!("v{i} = \"k*(x{} - 2*x{i} + x{})/m{i}\"", i - 1, i + 1);
+    let pulled = list(&force, 2, n - 1, "\n");
+    let measured = all(
+        &|i| format!("x_m{i} = {{ expr = \"x{i}\", error = 0.001, column = \"mass {i}\" }}"),
+        "\n",
+    );
+    let moment = all(&|i| format!("m{i}*x{i}"), " + ");
+    let mass = all(&|i| format!("m{i}"), " + ");
     let long = format!(
-        "format = 1\nname = \"chain\"\nstates = [{}, {}]\ninit = {{ {}, {}, v10 = [-0.01, 0.01] }}\n\
-         inputs = [\"F [N]\"]\n[params]\n{}\nk = {{ bounds = [90, 110], unit = \"N/m\" }}\n[let]\n\
-         energy = \"({})/2 + k*(x1^2 + ({}))/2\"\n[der]\n{}\nv1 = \"k*(x2 - 2*x1)/m1\"\n{}\n\
-         v10 = \"(F - k*(x10 - x9))/m10\"\n[outputs]\n{}\nmiddle = \"({})/({}) +- 0.001 [m]\"\n\
-         E = {{ expr = \"energy\", unit = \"J\", error = 0.01 }}\n",
-        all(&|i| format!("\"x{i} [m]\""), ", "),
-        all(&|i| format!("\"v{i} [m/s]\""), ", "),
-        all(&|i| format!("x{i} = 0"), ", "),
-        list(&|i| format!("v{i} = 0"), 1, n - 1, ", "),
-        all(
-            &|i| format!("m{i} = {{ bounds = [0.9, 1.1], unit = \"kg\" }}"),
-            "\n"
-        ),
-        all(&|i| format!("m{i}*v{i}^2"), " + "),
-        format!(
-            "({})",
-            list(&|i| format!("(x{i} - x{})^2", i - 1), 2, n, " + ")
-        ),
-        all(&|i| format!("x{i} = \"v{i}\""), "\n"),
-        list(
-            &|i| format!("v{i} = \"k*(x{} - 2*x{i} + x{})/m{i}\"", i - 1, i + 1),
-            2,
-            n - 1,
-            "\n"
-        ),
-        all(
-            &|i| format!("x_m{i} = {{ expr = \"x{i}\", error = 0.001, column = \"mass {i}\" }}"),
-            "\n"
-        ),
-        all(&|i| format!("m{i}*x{i}"), " + "),
-        all(&|i| format!("m{i}"), " + "),
+        "format = 1\nname = \"chain\"\nstates = [{positions}, {velocities}]\n\
+         init = {{ {starts}, {stands}, v10 = [-0.01, 0.01] }}\n\
+         inputs = [\"F [N]\"]\n[params]\n{masses}\nk = {{ bounds = [90, 110], unit = \"N/m\" }}\n\
+         [let]\nenergy = \"({kinetic})/2 + k*(x1^2 + ({elastic}))/2\"\n\
+         [der]\n{moves}\nv1 = \"k*(x2 - 2*x1)/m1\"\n{pulled}\nv10 = \"(F - k*(x10 - x9))/m10\"\n\
+         [outputs]\n{measured}\nmiddle = \"({moment})/({mass}) +- 0.001 [m]\"\n\
+         E = {{ expr = \"energy\", unit = \"J\", error = 0.01 }}\n"
     );
     let model = read(short);
     assert_eq!(content(&model), content(&read(&long)));
