@@ -1,5 +1,6 @@
 //! The model language: expressions, modes, parameters, outputs, diagnostics.
 
+pub mod build;
 mod coverage;
 mod describe;
 pub mod diagnostic;

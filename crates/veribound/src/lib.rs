@@ -64,8 +64,8 @@
 //!
 //! # Where things are
 //!
-//! - [`Model`]: the immutable mathematics, read with [`Model::from_file`]; [`Model::describe`] says
-//!   what was understood. Problems come as [`Diagnostics`]: place, text, caret, one thing to do.
+//! - [`Model`]: the immutable mathematics, read with [`Model::from_file`] or built in Rust code with
+//!   [`build::ModelBuilder`]; [`Model::describe`] says what was understood. Problems come as [`Diagnostics`]: place, text, caret, one thing to do.
 //! - [`Record`]: a CSV file, checked as a whole, then read sample by sample.
 //! - [`Observer`], [`ObserverOptions`], [`Verdict`]: the estimation.
 //! - [`Simulation`]: proved simulation with known parameters.
@@ -89,6 +89,6 @@ pub use veribound_flow::{ModeSet, StepFailure, StepOptions, StepReport, System, 
 pub use veribound_interval::{Decimal, Interval, SelfTestError, self_test};
 pub use veribound_model::{
     Coverage, Diagnostic, Diagnostics, ErrorBound, Guard, Input, Mode, Model, Output, Param, Reset,
-    Sample, Signal, SourceText, State,
+    Sample, Signal, SourceText, State, build,
 };
 pub use veribound_report::{Figure, FigureMeta, History, SampleRow, png};

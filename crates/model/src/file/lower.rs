@@ -97,7 +97,7 @@ impl<'s> Lowering<'s> {
     /// `None` when something was reported or depends on what was reported elsewhere.
     fn value(&mut self, ast: &Ast, problems: &mut Vec<Problem>) -> Option<ExprId> {
         let value = match &ast.kind {
-            Kind::Number(number) => self.graph.constant(number.clone()),
+            Kind::Number(number) => self.graph.constant(number.to_rational()),
             Kind::Name(name) => self.named(name, ast, problems)?,
             Kind::Negate(a) => {
                 let a = self.value(a, problems)?;

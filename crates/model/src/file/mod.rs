@@ -26,7 +26,7 @@ use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 
 /// Longer files are no models written by hand.
-const LARGEST_FILE: usize = 1 << 18;
+pub(crate) const LARGEST_FILE: usize = 1 << 18;
 /// More entries in one section are a mistake.
 const MOST_ENTRIES: usize = 1000;
 

@@ -2,8 +2,9 @@
 
 use crate::graph::Unary;
 use crate::model::Relation;
-use num_rational::BigRational;
 use std::ops::Range;
+use std::sync::Arc;
+use veribound_interval::Decimal;
 
 /// A piece of an equation with its place.
 #[derive(Debug, Clone)]
@@ -17,20 +18,21 @@ pub(crate) struct Ast {
 
 #[derive(Debug, Clone)]
 pub(crate) enum Kind {
-    Number(BigRational),
+    /// Not negative.
+    Number(Decimal),
     Name(String),
     /// `true`
     Always,
-    Negate(Box<Ast>),
-    Arithmetic(Arithmetic, Box<Ast>, Box<Ast>),
-    Power(Box<Ast>, Box<Ast>),
+    Negate(Arc<Ast>),
+    Arithmetic(Arithmetic, Arc<Ast>, Arc<Ast>),
+    Power(Arc<Ast>, Arc<Ast>),
     Call(Function, Vec<Ast>),
-    Compare(Relation, Box<Ast>, Box<Ast>),
-    And(Box<Ast>, Box<Ast>),
-    Or(Box<Ast>, Box<Ast>),
-    Not(Box<Ast>),
+    Compare(Relation, Arc<Ast>, Arc<Ast>),
+    And(Arc<Ast>, Arc<Ast>),
+    Or(Arc<Ast>, Arc<Ast>),
+    Not(Arc<Ast>),
     /// `if condition then value else value`
-    If(Box<Ast>, Box<Ast>, Box<Ast>),
+    If(Arc<Ast>, Arc<Ast>, Arc<Ast>),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,6 +96,14 @@ impl Function {
         ("max", Function::Max),
         ("friction", Function::Friction),
     ];
+
+    /// The name, the first one of two.
+    pub fn name(self) -> &'static str {
+        let mut names = Self::NAMES.iter();
+        names
+            .find(|(_, function)| *function == self)
+            .map_or("-", |(name, _)| name)
+    }
 
     pub fn named(name: &str) -> Option<Function> {
         Self::NAMES

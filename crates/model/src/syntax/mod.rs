@@ -3,6 +3,7 @@
 pub(crate) mod ast;
 pub(crate) mod number;
 pub(crate) mod parse;
+mod print;
 pub(crate) mod token;
 
 use std::ops::Range;
@@ -39,4 +40,19 @@ impl Problem {
         self.range = self.range.start + offset..self.range.end + offset;
         self
     }
+}
+
+/// How tightly the operators bind.
+pub(crate) mod strength {
+    pub const ANY: u8 = 0;
+    pub const OR: u8 = 1;
+    pub const AND: u8 = 2;
+    pub const NOT: u8 = 3;
+    pub const COMPARE: u8 = 4;
+    pub const SUM: u8 = 5;
+    pub const PRODUCT: u8 = 6;
+    pub const SIGN: u8 = 7;
+    pub const POWER: u8 = 8;
+    /// Names, numbers, calls and brackets.
+    pub const ALONE: u8 = 9;
 }

@@ -7,27 +7,15 @@ use crate::diagnostic::nearest;
 use crate::model::Relation;
 use crate::syntax::Problem;
 use crate::syntax::ast::{Arithmetic, Ast, Function, Kind};
-use crate::syntax::number;
 use crate::syntax::token::{Token, tokens};
+use crate::syntax::{number, strength};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Brackets, calls and signs inside each other.
 const DEEPEST_NESTING: usize = 64;
 /// Levels of the finished tree, to which also a long sum adds one for each term.
-const DEEPEST_TREE: usize = 400;
-
-/// How tightly the operators bind.
-mod strength {
-    pub const ANY: u8 = 0;
-    pub const OR: u8 = 1;
-    pub const AND: u8 = 2;
-    pub const NOT: u8 = 3;
-    pub const COMPARE: u8 = 4;
-    pub const SUM: u8 = 5;
-    pub const PRODUCT: u8 = 6;
-    pub const SIGN: u8 = 7;
-    pub const POWER: u8 = 8;
-}
+pub(crate) const DEEPEST_TREE: usize = 400;
 
 /// Reads one expression or condition that fills `text`.
 ///
@@ -221,7 +209,7 @@ impl<'t> Parser<'t> {
         right: Ast,
     ) -> Result<Ast, Stop> {
         let range = left.range.start..right.range.end;
-        let (left, right) = (Box::new(left), Box::new(right));
+        let (left, right) = (Arc::new(left), Arc::new(right));
         let kind = match token {
             Token::Name if self.word(operator) == "or" => Kind::Or(left, right),
             Token::Name => Kind::And(left, right),
@@ -281,7 +269,7 @@ impl<'t> Parser<'t> {
         };
         match token {
             Token::Number => match number::decimal(self.word(&range), range.clone()) {
-                Ok(decimal) => Ok(Ast::new(Kind::Number(decimal.to_rational()), range)),
+                Ok(decimal) => Ok(Ast::new(Kind::Number(decimal), range)),
                 Err(problem) => self.stop(problem),
             },
             Token::Name => self.named(range),
@@ -291,7 +279,7 @@ impl<'t> Parser<'t> {
             Token::Minus | Token::PlusMinus => {
                 let inner = self.parse(strength::SIGN)?;
                 let whole = range.start..inner.range.end;
-                self.grown(Kind::Negate(Box::new(inner)), whole)
+                self.grown(Kind::Negate(Arc::new(inner)), whole)
             }
             _ => self.unexpected_operand(token, range),
         }
@@ -303,7 +291,7 @@ impl<'t> Parser<'t> {
             "not" => {
                 let inner = self.parse(strength::NOT)?;
                 let whole = range.start..inner.range.end;
-                return self.grown(Kind::Not(Box::new(inner)), whole);
+                return self.grown(Kind::Not(Arc::new(inner)), whole);
             }
             "true" => return Ok(Ast::new(Kind::Always, range)),
             "if" => return self.choice(range),
@@ -334,7 +322,7 @@ impl<'t> Parser<'t> {
         self.word_of_choice("else", &start)?;
         let no = self.parse(strength::ANY)?;
         let whole = start.start..no.range.end;
-        let kind = Kind::If(Box::new(condition), Box::new(yes), Box::new(no));
+        let kind = Kind::If(Arc::new(condition), Arc::new(yes), Arc::new(no));
         self.grown(kind, whole)
     }
 
@@ -487,7 +475,7 @@ mod tests {
     fn shape(text: &str) -> String {
         fn write(ast: &Ast) -> String {
             match &ast.kind {
-                Kind::Number(value) => value.to_string(),
+                Kind::Number(value) => value.to_rational().to_string(),
                 Kind::Name(name) => name.clone(),
                 Kind::Always => "true".into(),
                 Kind::Negate(a) => format!("(-{})", write(a)),

@@ -40,6 +40,7 @@ use num_rational::Ratio;
 use num_traits::One;
 use parts::{Parts, integer, terms};
 use value::Value;
+use veribound_interval::Decimal;
 
 /// Everything in the file that has a unit or an equation.
 pub(crate) struct Written<'f> {
@@ -224,7 +225,7 @@ impl<'f> Checker<'f> {
                 let inverse = self.value(b).power(-Ratio::one());
                 match &a.kind {
                     // `1/x` is no more than the inverse.
-                    Kind::Number(number) if number.is_one() => inverse,
+                    Kind::Number(number) if *number == Decimal::from_i64(1) => inverse,
                     _ => self.value(a).times(&inverse),
                 }
             }

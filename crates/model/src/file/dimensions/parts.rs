@@ -2,6 +2,7 @@
 
 use crate::graph::Unary;
 use crate::syntax::ast::{Arithmetic, Ast, Function, Kind};
+use num_rational::BigRational;
 use num_traits::ToPrimitive;
 
 /// A choice between values, or a function that gives one of its arguments or less of it.
@@ -57,7 +58,10 @@ pub(super) fn terms(ast: &Ast) -> Vec<&Ast> {
 /// The value of an exponent that is written as a number.
 pub(super) fn integer(ast: &Ast) -> Option<i64> {
     match &ast.kind {
-        Kind::Number(number) if number.is_integer() => number.to_integer().to_i64(),
+        Kind::Number(number) => Some(number.to_rational())
+            .filter(BigRational::is_integer)?
+            .to_integer()
+            .to_i64(),
         Kind::Negate(a) => integer(a)?.checked_neg(),
         _ => None,
     }
