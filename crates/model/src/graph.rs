@@ -329,6 +329,7 @@ impl Graph {
                     return self.constant(size);
                 }
                 Unary::Sign if !zero => return self.integer(if negative { -1 } else { 1 }),
+                Unary::Impulse if !zero => return self.integer(0),
                 Unary::Sqrt
                 | Unary::Sin
                 | Unary::Tan

@@ -313,8 +313,13 @@ impl Instruction {
                 regular = Regular::kink(!(above | below));
                 A::select(above, c.at(a, k), &A::neg(c.at(a, k)))
             }
-            Unary::Sign => {
-                regular = Regular::jump(A::contains_zero(&start));
+            Unary::Sign | Unary::Impulse => {
+                let at_zero = A::contains_zero(&start);
+                regular = if function == Unary::Sign {
+                    Regular::jump(at_zero)
+                } else {
+                    Regular::undefined(at_zero)
+                };
                 if k == 0 {
                     function.apply::<A>(&start)
                 } else {

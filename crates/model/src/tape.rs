@@ -440,6 +440,7 @@ fn unary_regularity<A: Arithmetic>(function: Unary, a: &A::Value) -> Regular<Mas
         | Unary::Cosh
         | Unary::Tanh
         | Unary::Asinh => return Regular::smooth(),
+        Unary::Impulse => return Regular::undefined(A::contains_zero(a)),
         Unary::Sqrt | Unary::Ln | Unary::Abs | Unary::Sign if A::is_positive(a).all() => {
             return Regular::smooth();
         }
@@ -492,6 +493,14 @@ fn unary_reverse<A: Arithmetic>(function: Unary, out: &A::Value, a: &A::Value) -
         Unary::Atanh => Interval::atanh_rev,
         Unary::Abs => Interval::abs_rev,
         Unary::Sign => Interval::sign_rev,
+        // Not zero it is at zero alone.
+        Unary::Impulse => |out, a| {
+            if out.contains(0.0) {
+                a
+            } else {
+                a.intersect(Interval::ZERO)
+            }
+        },
     };
     A::map2(out, a, reverse)
 }

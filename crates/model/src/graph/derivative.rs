@@ -26,8 +26,13 @@ impl Graph {
     /// Partial derivative of `e`.
     ///
     /// At kinks of `abs`, `min` and `max` the enclosure of the result is the generalised (Clarke)
-    /// derivative, because `sign` is the set `[-1, 1]` at zero. `sign` itself jumps; its derivative
-    /// is taken as zero, so the result may be used only where no `sign` in `e` can change.
+    /// derivative, because `sign` is the set `[-1, 1]` at zero. `sign` itself jumps: the enclosure of its
+    /// derivative is 0 on boxes on which it cannot change, and everything on the others
+    /// ([`Unary::Impulse`]). So derivatives may be taken of derivatives.
+    ///
+    /// Guarantee: where `e` is defined on the whole segment between two points of a box that differ in
+    /// `var` alone, the enclosure of the result on the box contains the difference quotient of `e`. An empty
+    /// enclosure, as of the slope of a root at exactly zero, says nothing.
     pub fn derivative(&mut self, e: ExprId, var: Var) -> ExprId {
         let zero = self.integer(0);
         let one = self.integer(1);
@@ -117,7 +122,8 @@ impl Graph {
                 self.sub(one, square)
             }
             Unary::Abs => self.unary(Unary::Sign, a),
-            Unary::Sign => return self.integer(0),
+            // Where it can change, any slope; that slope jumps as `sign` does.
+            Unary::Sign | Unary::Impulse => self.unary(Unary::Impulse, a),
         };
         self.mul(outer, da)
     }

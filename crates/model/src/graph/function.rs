@@ -42,6 +42,9 @@ pub enum Unary {
     Abs,
     /// `sign(a)`, with the set `[-1, 1]` at zero
     Sign,
+    /// The slope of `sign(a)`: 0 where `a` is not zero; at zero, where `sign` jumps, every number. Not a
+    /// word of the language: only second derivatives at kinks hold it.
+    Impulse,
 }
 
 /// Functions of two arguments.
@@ -83,6 +86,7 @@ impl Unary {
             Unary::Atanh => "atanh",
             Unary::Abs => "abs",
             Unary::Sign => "sign",
+            Unary::Impulse => "impulse",
         }
     }
 
@@ -108,7 +112,19 @@ impl Unary {
             Unary::Atanh => A::map(a, Interval::atanh),
             Unary::Abs => A::abs(a),
             Unary::Sign => A::sign(a),
+            Unary::Impulse => A::map(a, impulse),
         }
+    }
+}
+
+/// [`Unary::Impulse`]
+fn impulse(a: Interval) -> Interval {
+    if a.is_empty() {
+        a
+    } else if a.contains(0.0) {
+        Interval::ENTIRE
+    } else {
+        Interval::ZERO
     }
 }
 
