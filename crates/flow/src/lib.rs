@@ -1,11 +1,13 @@
 //! Validated integration of one step across mode switches.
 //!
 //! A model is compiled once into a [`System`]; [`System::step`] then moves boxes of states over
-//! stretches of time such that no Filippov solution is lost.
+//! stretches of time such that no Filippov solution is lost. [`form`] moves sets that keep how states
+//! depend on start values and parameters, for models with one right-hand side.
 
 mod advance;
 mod apriori;
 mod face;
+pub mod form;
 mod guard;
 mod levels;
 mod modes;

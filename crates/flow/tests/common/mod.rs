@@ -10,6 +10,7 @@
 )]
 
 pub mod models;
+pub mod smooth;
 pub mod truth;
 
 use veribound_interval::Interval;

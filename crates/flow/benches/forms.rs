@@ -1,0 +1,234 @@
+//! Forms on the problems that integrators are compared with: widths, times, and what was to be reached.
+//!
+//! `cargo bench -p veribound-flow --bench forms`; an argument that is part of a row's name chooses rows.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a benchmark fails by panicking"
+)]
+
+use std::time::Instant;
+
+use veribound_flow::form::{Flow, Form, FormOptions};
+use veribound_interval::{Decimal, Interval};
+use veribound_model::Model;
+
+/// A problem, its sampled hull where there is one, and the widths and milliseconds to be reached.
+struct Case {
+    name: &'static str,
+    model: &'static str,
+    start: Vec<[&'static str; 2]>,
+    params: Vec<[&'static str; 2]>,
+    /// Length and inputs of each stretch.
+    stretches: Vec<(&'static str, Vec<&'static str>)>,
+    /// State, width sampled inside, largest width allowed.
+    wanted: Vec<(usize, f64, f64)>,
+    milliseconds: f64,
+}
+
+fn model(states: &str, inputs: &str, params: &str, der: &str) -> String {
+    let names: Vec<&str> = states.split(' ').collect();
+    let inits: String = names.iter().map(|x| format!("{x} = 0\n")).collect();
+    let inputs = if inputs.is_empty() {
+        String::new()
+    } else {
+        format!("inputs = [\"{inputs}\"]\n")
+    };
+    let params = if params.is_empty() {
+        String::new()
+    } else {
+        format!("[params]\n{params}\n")
+    };
+    format!(
+        "format = 1\nstates = {names:?}\n{inputs}[init]\n{inits}{params}[der]\n{der}\n[outputs]\nmeasured = \"{} +- 1\"\n",
+        names[0]
+    )
+}
+
+fn decimal(text: &str) -> Interval {
+    Decimal::parse(text).unwrap().to_interval()
+}
+
+fn between(ends: [&str; 2]) -> Interval {
+    decimal(ends[0]).hull(decimal(ends[1]))
+}
+
+const LAUB_LOOMIS: &str = "x1 = \"1.4*x3 - 0.9*x1\"\nx2 = \"2.5*x5 - 1.5*x2\"\n\
+    x3 = \"0.6*x7 - 0.8*x2*x3\"\nx4 = \"2 - 1.3*x3*x4\"\nx5 = \"0.7*x1 - x4*x5\"\n\
+    x6 = \"0.3*x1 - 3.1*x6\"\nx7 = \"1.8*x6 - 1.5*x2*x7\"";
+
+fn laub_loomis(name: &'static str, start: [[&'static str; 2]; 7], width: f64) -> Case {
+    Case {
+        name,
+        model: model_text("x1 x2 x3 x4 x5 x6 x7", "", "", LAUB_LOOMIS),
+        start: start.to_vec(),
+        params: vec![],
+        stretches: vec![("20", vec![])],
+        wanted: vec![(3, width, 1.15 * width)],
+        milliseconds: 1000.0,
+    }
+}
+
+fn model_text(states: &str, inputs: &str, params: &str, der: &str) -> &'static str {
+    Box::leak(model(states, inputs, params, der).into_boxed_str())
+}
+
+fn cases() -> Vec<Case> {
+    let staircase = (0..10).map(|k| ("0.5", vec![if k % 2 == 0 { "0.5" } else { "0.3" }]));
+    vec![
+        Case {
+            name: "Lorenz",
+            model: model_text(
+                "x y z",
+                "",
+                "",
+                "x = \"10*(y - x)\"\ny = \"x*(28 - z) - y\"\nz = \"x*y - 8/3*z\"",
+            ),
+            start: vec![["15", "15"], ["15", "15"], ["36", "36"]],
+            params: vec![],
+            stretches: vec![("10", vec![])],
+            wanted: vec![(0, 0.0, 1.35e-7), (1, 0.0, 1.35e-7), (2, 0.0, 1.35e-7)],
+            milliseconds: 30.0,
+        },
+        Case {
+            name: "LV",
+            model: model_text("x y", "", "", "x = \"3*x - 3*x*y\"\ny = \"x*y - y\""),
+            start: vec![["1.292", "1.308"], ["0.992", "1.008"]],
+            params: vec![],
+            stretches: vec![("3.64", vec![])],
+            wanted: vec![(0, 0.01617, 0.01627), (1, 0.01648, 0.01653)],
+            milliseconds: 20.0,
+        },
+        Case {
+            name: "VdP",
+            model: model_text("x y", "", "", "x = \"y\"\ny = \"(1 - x^2)*y - x\""),
+            start: vec![["1.25", "1.55"], ["2.35", "2.45"]],
+            params: vec![],
+            stretches: vec![("7", vec![])],
+            wanted: vec![(0, 0.1042, 0.1227), (1, 0.4360, 0.4902)],
+            milliseconds: 100.0,
+        },
+        Case {
+            name: "B2",
+            model: model_text(
+                "x1 x2",
+                "u",
+                "alpha = [-2.2, -1.8]\nbeta = [95, 105]",
+                "x1 = \"x2\"\nx2 = \"alpha*x2 + beta*(u - 0.1)\"",
+            ),
+            start: vec![["0", "0"], ["0.5", "0.5"]],
+            params: vec![["-2.2", "-1.8"], ["95", "105"]],
+            stretches: staircase.collect(),
+            wanted: vec![
+                (0, 19.3297436, 1.01 * 19.3297436),
+                (1, 4.2441, 1.01 * 4.2441),
+            ],
+            milliseconds: 10.0,
+        },
+        laub_loomis(
+            "Laub-Loomis 0.01",
+            [
+                ["1.19", "1.21"],
+                ["1.04", "1.06"],
+                ["1.49", "1.51"],
+                ["2.39", "2.41"],
+                ["0.99", "1.01"],
+                ["0.09", "0.11"],
+                ["0.44", "0.46"],
+            ],
+            0.002516,
+        ),
+        laub_loomis(
+            "Laub-Loomis 0.05",
+            [
+                ["1.15", "1.25"],
+                ["1", "1.1"],
+                ["1.45", "1.55"],
+                ["2.35", "2.45"],
+                ["0.95", "1.05"],
+                ["0.05", "0.15"],
+                ["0.4", "0.5"],
+            ],
+            0.012623,
+        ),
+        laub_loomis(
+            "Laub-Loomis 0.1",
+            [
+                ["1.1", "1.3"],
+                ["0.95", "1.15"],
+                ["1.4", "1.6"],
+                ["2.3", "2.5"],
+                ["0.9", "1.1"],
+                ["0", "0.2"],
+                ["0.35", "0.55"],
+            ],
+            0.025505,
+        ),
+    ]
+}
+
+fn run(case: &Case, flow: &Flow, options: FormOptions) -> Result<(Form, Vec<Interval>), String> {
+    let start: Vec<Interval> = case.start.iter().map(|x| between(*x)).collect();
+    let params: Vec<Interval> = case.params.iter().map(|x| between(*x)).collect();
+    let mut form = flow.start(&start, &params, options);
+    for (dt, inputs) in &case.stretches {
+        let inputs: Vec<Interval> = inputs.iter().map(|x| decimal(x)).collect();
+        flow.advance(&mut form, &inputs, decimal(dt))
+            .map_err(|diverged| format!("{diverged:?}"))?;
+    }
+    let hull = form.hull();
+    Ok((form, hull))
+}
+
+fn main() {
+    let mut options = FormOptions::default();
+    let mut chosen = Vec::new();
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    for argument in std::env::args().skip(1) {
+        match argument.split_once('=') {
+            Some(("order", x)) => options.order = number(x) as usize,
+            Some(("degree", x)) => options.degree = Some(number(x) as usize),
+            Some(("tolerance", x)) => options.tolerance = number(x),
+            Some(("share", x)) => options.share = number(x),
+            Some(("steepest", x)) => options.steepest = number(x),
+            _ if argument.starts_with("--") => {}
+            _ => chosen.push(argument),
+        }
+    }
+    for case in cases() {
+        if !chosen.is_empty() && !chosen.iter().any(|text| case.name.contains(&text[..])) {
+            continue;
+        }
+        let model = Model::from_text(case.name, case.model)
+            .unwrap_or_else(|problems| panic!("{}", problems.render(false)));
+        let flow = Flow::new(&model).unwrap();
+        let mut fastest = f64::INFINITY;
+        let mut last = None;
+        for _ in 0..5 {
+            let begin = Instant::now();
+            let result = run(&case, &flow, options);
+            fastest = fastest.min(begin.elapsed().as_secs_f64() * 1e3);
+            last = Some(result);
+        }
+        println!(
+            "{:18} {fastest:9.2} ms of {} ms",
+            case.name, case.milliseconds
+        );
+        match last.unwrap() {
+            Ok((_, hull)) => {
+                for (state, inner, most) in &case.wanted {
+                    let width = hull[*state].width();
+                    let verdict = if width <= *most { "reached" } else { "" };
+                    println!(
+                        "    {:3} {:24} width {width:12.6e}  inner {inner:9.4e}  wanted {most:9.4e} {verdict}",
+                        model.states[*state].name,
+                        format!("{}", hull[*state]),
+                    );
+                }
+            }
+            Err(why) => println!("    {why}"),
+        }
+    }
+}

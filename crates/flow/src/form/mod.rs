@@ -1,0 +1,64 @@
+//! Forms: sets of solutions that keep how they depend on start values and parameters.
+//!
+//! A [`Form`] says of every solution at one time: `x ∈ P(δ) + E`, with a polynomial `P` in the unknowns
+//! `δ` (start values and parameters, scaled to `[-1, 1]`, the same for all times), and a small set
+//! `E = { Q r }` for what dependence could not keep. [`Flow::advance`] moves it.
+//!
+//! # One step
+//!
+//! 1. `series.rs` computes, in plain floating point, a polynomial `X(δ, t)` in the unknowns and time with
+//!    `X(δ, 0) = P(δ)` that is nearly a solution for every `δ`. No claim is made about it.
+//! 2. `error.rs` bounds the *defect* `d` of this polynomial, as the floats say it, `|f(X, p, u) - X'| <= d`
+//!    for all `δ`, all `t` of the step and all values of the inputs, and the entries of `∂f/∂x` for all
+//!    states that differ from `X` by at most a trial bound `D`. The polynomials of all intermediate
+//!    results are at hand; only what rounding and truncation lose has to be bounded, by sums of absolute
+//!    coefficients. Higher orders in time need no enclosure of their own.
+//! 3. *Theorem (deviation).* Let `C >= |∂f/∂x|` off the diagonal and `C_ii >= max(0, ∂f_i/∂x_i)`, for all
+//!    states within `D` of `X`. If `exp(C h) |e| + ∫_0^h exp(C (h - t)) d dt < D` for all `e ∈ E`, in every
+//!    component, then every solution that starts in `P(δ) + E` exists up to time `h` and stays within
+//!    `D` of `X`.
+//!
+//!    *Proof.* As long as a solution `x` stays within `D`, its deviation `e = x - X` satisfies
+//!    `e' = A e + g` almost everywhere with `|g| <= d` and `A` an average of `∂f/∂x` on the segment from
+//!    `X` to `x` (mean value theorem; at kinks its set-valued form, for which the generalised derivative
+//!    is enclosed). So `|e|' <= C |e| + d`, and since `C >= 0` the bound is that of the linear comparison
+//!    equation, which grows with `h` and is smaller than `D`: `e` can never reach `D`, so the solution
+//!    remains in a compact set on which `f` is continuous, and goes on. Inputs may be any measurable
+//!    functions, since nothing was asked of `g` but its bound.
+//! 4. *Theorem (transport).* Let `V(t)` be any matrix polynomial with `V(0) = I` and
+//!    `G >= |A V - V'|` for all such `A` and all times. Then
+//!    `|e(h) - V(h) e(0)| <= ∫_0^h exp(C (h - t)) (G |e(0)| + d) dt`.
+//!
+//!    *Proof.* `w = e - V e(0)` satisfies `w(0) = 0` and `w' = A w + (A V - V') e(0) + g`.
+//!
+//!    `V` is the Taylor polynomial of the variational equation along `δ = 0`. So the small set is moved by
+//!    one point matrix and widened by a box: `E` goes to `V Q r + w`, enclosed by a new orthogonal frame
+//!    (`frame.rs`). Dependence on start values and parameters is kept in `P(δ) = X(δ, h)` as far as its degree
+//!    reaches; terms of higher degree are in `d`.
+//!
+//! A step that finds no `D` is shortened; a form never changes unless the step is proved.
+//!
+//! Sources: Taylor models, Makino and Berz 1996; Lohner's frames, Lohner 1988; the comparison of defects is
+//! Müller's theorem for linear systems. Bounding the defect of a point polynomial instead of enclosing
+//! every Taylor coefficient is own.
+
+mod code;
+mod compare;
+mod compose;
+mod error;
+mod flow;
+mod frame;
+mod function;
+mod monomials;
+mod output;
+mod outward;
+mod range;
+mod series;
+mod set;
+mod size;
+mod step;
+
+pub use flow::{Diverged, Flow, SeveralModes};
+pub use output::{Contradiction, Output};
+pub use set::{Form, FormOptions, OutputForm, Unknown};
+pub use step::Obstacle;

@@ -1,0 +1,188 @@
+//! Monomials of bounded degree, and which of them multiply to which.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: all indices are positions of monomials of this table"
+)]
+
+use std::collections::HashMap;
+
+use super::outward::{UNIT, raised};
+
+/// All monomials in `variables` variables of total degree up to `degree`, by degree; first the constant,
+/// then the variables in their order.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Monomials {
+    pub(super) variables: usize,
+    pub(super) degree: usize,
+    /// `exponents[a * variables + v]` is the exponent of variable `v` in monomial `a`.
+    exponents: Vec<u8>,
+    /// `starts[m]..starts[m + 1]` are the monomials of degree `m`.
+    starts: Vec<usize>,
+    /// Pairs of factors, those of product `c` at `ranges[c]..ranges[c + 1]`.
+    pairs: Vec<(u32, u32)>,
+    ranges: Vec<usize>,
+    /// `quotients[a * variables + v]` is monomial `a` over variable `v`, or `a` itself without it.
+    quotients: Vec<u32>,
+    /// Most pairs that multiply to one monomial.
+    pub(super) most_pairs: usize,
+}
+
+impl Monomials {
+    pub(super) fn new(variables: usize, degree: usize) -> Monomials {
+        let degree = if variables == 0 { 0 } else { degree };
+        let mut list: Vec<Vec<u8>> = vec![vec![0; variables]];
+        let mut starts = vec![0, 1];
+        for m in 1..=degree {
+            // Each of the degree before, times a variable not before its last one.
+            for a in starts[m - 1]..starts[m] {
+                let last = (0..variables).rev().find(|v| list[a][*v] > 0).unwrap_or(0);
+                for v in last..variables {
+                    let mut next = list[a].clone();
+                    next[v] += 1;
+                    list.push(next);
+                }
+            }
+            starts.push(list.len());
+        }
+        let position: HashMap<&[u8], usize> =
+            list.iter().enumerate().map(|(a, e)| (&e[..], a)).collect();
+        let mut products: Vec<Vec<(u32, u32)>> = vec![Vec::new(); list.len()];
+        for (a, left) in list.iter().enumerate() {
+            for (b, right) in list.iter().enumerate() {
+                let product: Vec<u8> = left.iter().zip(right).map(|(l, r)| l + r).collect();
+                if let Some(&c) = position.get(&product[..]) {
+                    products[c].push((a as u32, b as u32));
+                }
+            }
+        }
+        let mut quotients = Vec::with_capacity(list.len() * variables);
+        for (a, own) in list.iter().enumerate() {
+            for v in 0..variables {
+                let mut lower = own.clone();
+                lower[v] = lower[v].saturating_sub(1);
+                quotients.push(position.get(&lower[..]).map_or(a, |b| *b) as u32);
+            }
+        }
+        let mut ranges = vec![0];
+        let mut pairs = Vec::new();
+        for list in &products {
+            pairs.extend(list);
+            ranges.push(pairs.len());
+        }
+        Monomials {
+            variables,
+            degree,
+            exponents: list.concat(),
+            starts,
+            most_pairs: products.iter().map(Vec::len).max().unwrap_or(1),
+            pairs,
+            ranges,
+            quotients,
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.ranges.len() - 1
+    }
+
+    /// The monomials of degree `m`.
+    pub(super) fn of_degree(&self, m: usize) -> std::ops::Range<usize> {
+        self.starts[m]..self.starts[m + 1]
+    }
+
+    /// The factors of monomial `c`.
+    #[inline(always)]
+    pub(super) fn factors(&self, c: usize) -> &[(u32, u32)] {
+        &self.pairs[self.ranges[c]..self.ranges[c + 1]]
+    }
+
+    /// Monomial `a` over variable `v`, which it must contain.
+    pub(super) fn quotient(&self, a: usize, v: usize) -> usize {
+        self.quotients[a * self.variables + v] as usize
+    }
+
+    /// The exponents of monomial `a`, one for each variable.
+    pub(super) fn exponents(&self, a: usize) -> &[u8] {
+        &self.exponents[a * self.variables..(a + 1) * self.variables]
+    }
+}
+
+impl Monomials {
+    /// Puts `middle + radius x` for variable `v`; returns a bound of what rounding took.
+    ///
+    /// A coefficient is a sum of at most `(q + 1)^2` terms none of which passes through more than `4 q`
+    /// roundings; the terms together are at most `(|middle| + radius)^q`, or one, times the sum of the
+    /// coefficients before.
+    pub(super) fn substitute(
+        &self,
+        polynomial: &mut [f64],
+        v: usize,
+        middle: f64,
+        radius: f64,
+    ) -> f64 {
+        let mut size = 0.0;
+        let mut q = 0;
+        for (a, x) in polynomial.iter().enumerate() {
+            let exponent = usize::from(self.exponents(a)[v]);
+            if exponent > 0 && *x != 0.0 {
+                size += x.abs();
+                q = q.max(exponent);
+            }
+        }
+        if q == 0 {
+            return 0.0;
+        }
+        for low in 0..q {
+            for exponent in (low + 1..=q).rev() {
+                for a in 0..self.len() {
+                    if usize::from(self.exponents(a)[v]) == exponent {
+                        let below = self.quotient(a, v);
+                        polynomial[below] += middle * polynomial[a];
+                    }
+                }
+            }
+        }
+        for (a, x) in polynomial.iter_mut().enumerate() {
+            for _ in 0..self.exponents(a)[v] {
+                *x *= radius;
+            }
+        }
+        let all: f64 = polynomial.iter().map(|x| x.abs()).sum();
+        let growth = (1.0 + middle.abs()).max(radius).powi(q as i32);
+        // With `q` the highest power there is.
+        let roundings = (4 * q * (q + 1) * (q + 1)) as f64;
+        raised(
+            roundings * UNIT * (size * growth + all),
+            self.len() + 2 * q + 8,
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Monomials;
+
+    #[test]
+    fn counts_and_products() {
+        for (variables, degree, count) in [(0, 3, 1), (1, 4, 5), (2, 4, 15), (7, 2, 36), (3, 0, 1)]
+        {
+            let table = Monomials::new(variables, degree);
+            assert_eq!(table.len(), count);
+            let mut seen = 0;
+            for c in 0..count {
+                for &(a, b) in table.factors(c) {
+                    seen += 1;
+                    for v in 0..variables {
+                        let sum = table.exponents(a as usize)[v] + table.exponents(b as usize)[v];
+                        assert_eq!(sum, table.exponents(c)[v]);
+                    }
+                }
+            }
+            // Pairs of monomials of total degree up to q are monomials in twice the variables.
+            assert_eq!(seen, Monomials::new(2 * variables, degree).len());
+            for v in 0..variables.min(table.len() - 1) {
+                assert_eq!(table.exponents(1 + v)[v], 1, "variables come first");
+            }
+        }
+    }
+}

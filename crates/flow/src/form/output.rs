@@ -1,0 +1,155 @@
+//! Quantities of a form, and what measurements of them tell.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: one polynomial per quantity, one coefficient per monomial"
+)]
+
+use super::code::{Code, Op};
+use super::error::{Errors, Trouble};
+use super::function::Functions;
+use super::outward::raised;
+use super::series::Series;
+use super::set::{Form, OutputForm};
+use super::step::Obstacle;
+use veribound_interval::Interval;
+use veribound_model::{ExprId, Model};
+
+/// An expression of a model, compiled to be evaluated on forms of that model.
+#[derive(Debug, Clone)]
+pub struct Output {
+    code: Code,
+    functions: Functions,
+}
+
+/// A measurement contradicts the form: no solution in it has such a value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Contradiction;
+
+impl Output {
+    /// Compiles `expr` of `model`.
+    pub fn new(model: &Model, expr: ExprId) -> Output {
+        let mut graph = model.graph.clone();
+        let code = Code::compile(&mut graph, model.states.len(), &[expr], &[]);
+        let functions = Functions::of(&code);
+        Output { code, functions }
+    }
+}
+
+impl Form {
+    /// A quantity as a function of the unknowns.
+    ///
+    /// Guarantee: that of [`OutputForm`], for all values of the inputs in `inputs`.
+    ///
+    /// Errors: [`Obstacle::Undefined`] and [`Obstacle::Jump`] where the expression has no value or a
+    /// `sign` that is not decided, [`Obstacle::Unbounded`] where it is too large.
+    pub fn output(&self, output: &Output, inputs: &[Interval]) -> Result<OutputForm, Obstacle> {
+        let (code, functions) = (&output.code, &output.functions);
+        let mut series = Series::new(code, &self.monomials, 0);
+        for (register, step) in code.instructions.iter().enumerate() {
+            match step.op {
+                Op::Constant(value) => series.start(register, &[value.mid()]),
+                Op::Param(i) => series.start(register, &self.params[i].polynomial),
+                Op::Input(i) => series.start(register, &[inputs[i].mid()]),
+                Op::State(i) => series.start(register, &self.states[i]),
+                _ => {}
+            }
+        }
+        let mut run = || -> Result<(Vec<f64>, f64), Trouble> {
+            let done = series.compute(code, &self.monomials, functions, 0, 0);
+            done.map_err(|_| Trouble::Undefined)?;
+            let mut errors = Errors::new(code, &self.monomials, 0);
+            let given = |op: Op| match op {
+                Op::Constant(value) => value.rad(),
+                Op::Param(i) => self.params[i].radius,
+                Op::Input(i) => inputs[i].rad(),
+                _ => 0.0,
+            };
+            let context = (code, &*self.monomials, functions);
+            errors.measure(context, &series, (0.0, 0, 0), &given)?;
+            let reach: Vec<f64> = self.frame.hull().iter().map(|x| x.mag()).collect();
+            let mut radii = vec![0.0; code.instructions.len()];
+            errors.radii(code, functions, &reach, &mut radii)?;
+            let register = code.roots[0];
+            Ok((series.block(register).to_vec(), radii[register]))
+        };
+        let (polynomial, radius) = run().map_err(Obstacle::from)?;
+        Ok(self.affine(&polynomial, Interval::symmetric(radius)))
+    }
+
+    /// Narrows the unknowns to those for which the quantity `output` of this form can lie in `measured`;
+    /// returns whether anything became narrower.
+    ///
+    /// Guarantee: no solution with such a value is lost, now and later: the polynomials are written anew
+    /// around the middle of the narrowed unknowns, so that states and unknowns stay related. What
+    /// dependence could not keep is not touched.
+    ///
+    /// Errors: [`Contradiction`] where no value of the quantity lies in `measured`; that is a proof.
+    pub fn contract(
+        &mut self,
+        output: &OutputForm,
+        measured: Interval,
+    ) -> Result<bool, Contradiction> {
+        if !output.hull.intersects(measured) {
+            return Err(Contradiction);
+        }
+        let target = measured - output.remainder - Interval::point(output.centre);
+        let unit = Interval::symmetric(1.0);
+        let mut parts = vec![unit; output.slopes.len()];
+        for v in 0..parts.len() {
+            let slope = output.slopes[v];
+            if slope == 0.0 {
+                continue;
+            }
+            let others = (0..parts.len()).filter(|l| *l != v);
+            let rest = others.fold(target, |sum, l| {
+                sum - Interval::point(output.slopes[l]) * parts[l]
+            });
+            parts[v] = parts[v].intersect(rest / Interval::point(slope));
+            if parts[v].is_empty() {
+                return Err(Contradiction);
+            }
+        }
+        let narrower = parts.iter().any(|part| *part != unit);
+        if narrower {
+            self.narrow(&parts);
+        }
+        Ok(narrower)
+    }
+
+    /// Restricts the unknowns to parts of the unit box.
+    pub(super) fn narrow(&mut self, parts: &[Interval]) {
+        let mut lost = vec![0.0; self.states.len()];
+        for (v, part) in parts.iter().enumerate() {
+            if *part == Interval::symmetric(1.0) {
+                continue;
+            }
+            let (middle, radius) = part.mid_rad();
+            let range = &mut self.unknowns[v];
+            range.middle += range.radius * Interval::point(middle);
+            range.radius *= Interval::point(radius);
+            for (polynomial, lost) in self.states.iter_mut().zip(&mut lost) {
+                *lost += self.monomials.substitute(polynomial, v, middle, radius);
+            }
+            for param in &mut self.params {
+                let off = self
+                    .monomials
+                    .substitute(&mut param.polynomial, v, middle, radius);
+                param.radius = raised(param.radius + off, 1);
+            }
+        }
+        let by: Vec<Interval> = lost
+            .iter()
+            .map(|x| Interval::symmetric(raised(*x, parts.len())))
+            .collect();
+        self.widen(&by);
+    }
+
+    /// Adds a box to the states.
+    fn widen(&mut self, by: &[Interval]) {
+        let n = self.states.len();
+        let identity: Vec<Interval> = (0..n * n)
+            .map(|i| Interval::point(if i % (n + 1) == 0 { 1.0 } else { 0.0 }))
+            .collect();
+        self.transport(&identity, &vec![0.0; n], by);
+    }
+}

@@ -1,0 +1,207 @@
+//! Tight bounds of a polynomial on the unit box.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: polynomials have one coefficient per monomial of the table"
+)]
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use super::monomials::Monomials;
+use super::outward::{UNIT, raised};
+use veribound_interval::Interval;
+
+/// Parts of the box looked at before the bound is taken as it is.
+const MOST_PARTS: usize = 300;
+
+/// Share of the size of the polynomial that the bound may be too large.
+const ENOUGH: f64 = 1e-4;
+
+/// Encloses the values of `polynomial` on `[-1, 1]^d`.
+///
+/// Guarantee: every value lies inside. Branch and bound; where a derivative has one sign the variable is
+/// put to its end, so that near-linear polynomials take one part.
+pub(super) fn range(monomials: &Monomials, polynomial: &[f64]) -> Interval {
+    let negated: Vec<f64> = polynomial.iter().map(|x| -x).collect();
+    let hi = maximum(monomials, polynomial);
+    let lo = -maximum(monomials, &negated);
+    Interval::new(lo, hi).unwrap_or(Interval::ENTIRE)
+}
+
+/// An upper bound of the maximum.
+fn maximum(monomials: &Monomials, polynomial: &[f64]) -> f64 {
+    let size: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
+    let tolerance = ENOUGH * size;
+    let whole = Part::new(monomials, polynomial.to_vec(), 0.0);
+    let mut reached = whole.reached;
+    let mut open = BinaryHeap::from([whole]);
+    for _ in 0..MOST_PARTS {
+        let Some(part) = open.pop() else { break };
+        if part.bound <= reached + tolerance {
+            return part.bound;
+        }
+        let Some(variable) = part.worst(monomials) else {
+            return part.bound;
+        };
+        for side in [-0.5, 0.5] {
+            let (half, error) = part.half(monomials, variable, side);
+            let half = Part::new(monomials, half, error);
+            reached = reached.max(half.reached);
+            open.push(half);
+        }
+    }
+    open.peek().map_or(f64::INFINITY, |part| part.bound)
+}
+
+/// The polynomial on a part of the box, as a polynomial on the unit box.
+struct Part {
+    polynomial: Vec<f64>,
+    /// How far the polynomial can be from the true one.
+    error: f64,
+    /// Upper bound of the maximum, and about the value in the middle.
+    bound: f64,
+    reached: f64,
+}
+
+impl Part {
+    fn new(monomials: &Monomials, mut polynomial: Vec<f64>, mut error: f64) -> Part {
+        let mut fixed = vec![false; monomials.variables];
+        loop {
+            let mut changed = false;
+            for (v, is_fixed) in fixed.iter_mut().enumerate() {
+                if *is_fixed || monomials.degree == 0 {
+                    continue;
+                }
+                let slope = polynomial[1 + v];
+                let rest: f64 = (monomials.variables + 1..monomials.len())
+                    .map(|a| f64::from(monomials.exponents(a)[v]) * polynomial[a].abs())
+                    .sum();
+                let rest = raised(rest, 2 * monomials.len());
+                if slope.abs() > rest || (slope == 0.0 && rest <= 1e-280) {
+                    error += put(monomials, &mut polynomial, v, slope.signum());
+                    *is_fixed = true;
+                    changed = true;
+                }
+            }
+            if !changed {
+                break;
+            }
+        }
+        let mut above = 0.0;
+        for (a, x) in polynomial.iter().enumerate().skip(1) {
+            let even = monomials.exponents(a).iter().all(|e| e % 2 == 0);
+            above += if even { x.max(0.0) } else { x.abs() };
+        }
+        let operations = polynomial.len() + 2;
+        let size = polynomial[0].abs() + above;
+        let bound = polynomial[0] + above + raised(2.0 * UNIT * size, operations);
+        Part {
+            bound: bound + raised(above * operations as f64 * UNIT, 2) + raised(error, 1),
+            reached: polynomial[0] - error,
+            polynomial,
+            error,
+        }
+    }
+
+    /// The variable in the largest terms that are not linear.
+    fn worst(&self, monomials: &Monomials) -> Option<usize> {
+        let weight = |v: usize| -> f64 {
+            (1 + monomials.variables..monomials.len())
+                .map(|a| f64::from(monomials.exponents(a)[v]) * self.polynomial[a].abs())
+                .sum()
+        };
+        (0..monomials.variables)
+            .map(|v| (v, weight(v)))
+            .filter(|(_, w)| *w > 0.0)
+            .max_by(|x, y| x.1.total_cmp(&y.1))
+            .map(|(v, _)| v)
+    }
+
+    /// The polynomial with `middle + x / 2` for variable `v`, and its error.
+    fn half(&self, monomials: &Monomials, v: usize, middle: f64) -> (Vec<f64>, f64) {
+        let mut polynomial = self.polynomial.clone();
+        let lost = monomials.substitute(&mut polynomial, v, middle, 0.5);
+        (polynomial, raised(self.error + lost, 1))
+    }
+}
+
+/// Puts variable `v` to `±1`; returns what rounding can have taken.
+fn put(monomials: &Monomials, polynomial: &mut [f64], v: usize, end: f64) -> f64 {
+    let size: f64 = polynomial.iter().map(|x| x.abs()).sum();
+    for a in (0..monomials.len()).rev() {
+        let exponent = monomials.exponents(a)[v];
+        if exponent == 0 || polynomial[a] == 0.0 {
+            continue;
+        }
+        let below = (0..exponent).fold(a, |b, _| monomials.quotient(b, v));
+        let sign = if exponent.is_multiple_of(2) { 1.0 } else { end };
+        polynomial[below] += sign * polynomial[a];
+        polynomial[a] = 0.0;
+    }
+    raised(UNIT * size * (monomials.degree + 1) as f64, monomials.len())
+}
+
+impl PartialEq for Part {
+    fn eq(&self, other: &Part) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Part {}
+
+impl PartialOrd for Part {
+    fn partial_cmp(&self, other: &Part) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Part {
+    fn cmp(&self, other: &Part) -> Ordering {
+        self.bound.total_cmp(&other.bound)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Random polynomials: no value at a point of a fine grid lies outside, and the ends are nearly
+    /// reached.
+    #[test]
+    fn ranges_are_ranges() {
+        let mut seed = 5_u64;
+        let mut draw = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let monomials = Monomials::new(2, 4);
+        for round in 0..60 {
+            let flat = f64::powi(0.5, round % 6);
+            let polynomial: Vec<f64> = (0..monomials.len())
+                .map(|a| {
+                    let degree: u8 = monomials.exponents(a).iter().sum();
+                    draw() * flat.powi(i32::from(degree))
+                })
+                .collect();
+            let bounds = range(&monomials, &polynomial);
+            let (mut lo, mut hi) = (f64::INFINITY, f64::NEG_INFINITY);
+            for i in 0..=80 {
+                for l in 0..=80 {
+                    let at = [f64::from(i) / 40.0 - 1.0, f64::from(l) / 40.0 - 1.0];
+                    let value: f64 = (0..monomials.len())
+                        .map(|a| {
+                            let e = monomials.exponents(a);
+                            polynomial[a] * at[0].powi(e[0].into()) * at[1].powi(e[1].into())
+                        })
+                        .sum();
+                    assert!(bounds.contains(value), "{value} in {bounds}");
+                    (lo, hi) = (lo.min(value), hi.max(value));
+                }
+            }
+            assert!(
+                bounds.width() <= 1.01 * (hi - lo) + 1e-12,
+                "{bounds} for {lo} {hi}"
+            );
+        }
+    }
+}

@@ -1,0 +1,317 @@
+//! Polynomials in time and in the unknowns, in plain floating point: only hints.
+//!
+//! Every register holds a polynomial `Σ v[a][j] δ^a s^j` in the normalised unknowns `δ` and the scaled
+//! time `s`. What is computed here is no claim; [`super::error`] bounds how far each register is from
+//! what its instruction says, whatever numbers stand here.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: a register owns `monomials * stride` numbers; orders stay below the stride"
+)]
+
+use super::code::{Code, Op};
+use super::function::Functions;
+use super::monomials::Monomials;
+use veribound_interval::Interval;
+
+/// The registers of a [`Code`].
+#[derive(Debug, Clone)]
+pub(super) struct Series {
+    /// Numbers per monomial: highest order in time plus one.
+    pub(super) stride: usize,
+    monomials: usize,
+    values: Vec<f64>,
+    row: Vec<f64>,
+    other: Vec<f64>,
+}
+
+/// A function was asked for where it is not defined.
+pub(super) struct Undefined;
+
+impl Series {
+    pub(super) fn new(code: &Code, monomials: &Monomials, orders: usize) -> Series {
+        let (stride, count) = (orders + 1, monomials.len());
+        Series {
+            stride,
+            monomials: count,
+            values: vec![0.0; code.instructions.len() * count * stride],
+            row: vec![0.0; count],
+            other: vec![0.0; count],
+        }
+    }
+
+    /// Coefficients of `register`: `stride` of every monomial.
+    #[inline(always)]
+    pub(super) fn block(&self, register: usize) -> &[f64] {
+        let size = self.monomials * self.stride;
+        &self.values[register * size..(register + 1) * size]
+    }
+
+    #[inline(always)]
+    pub(super) fn block_mut(&mut self, register: usize) -> &mut [f64] {
+        let size = self.monomials * self.stride;
+        &mut self.values[register * size..(register + 1) * size]
+    }
+
+    /// Puts the coefficients of order 0 of `register`.
+    pub(super) fn start(&mut self, register: usize, polynomial: &[f64]) {
+        let stride = self.stride;
+        let block = self.block_mut(register);
+        for (slot, value) in block.chunks_exact_mut(stride).zip(polynomial) {
+            slot[0] = *value;
+        }
+    }
+
+    fn store(&mut self, register: usize, order: usize, row: &[f64]) {
+        let (stride, size) = (self.stride, self.monomials * self.stride);
+        let block = &mut self.values[register * size..(register + 1) * size];
+        for (slot, value) in block.chunks_exact_mut(stride).zip(row) {
+            slot[order] = *value;
+        }
+    }
+
+    /// Computes order `j` of everything, from the orders up to `j` of the states; registers that are not
+    /// primary only up to order `secondary`.
+    #[inline(always)]
+    pub(super) fn compute(
+        &mut self,
+        code: &Code,
+        monomials: &Monomials,
+        functions: &Functions,
+        j: usize,
+        secondary: usize,
+    ) -> Result<(), Undefined> {
+        let (mut row, mut other) = (
+            std::mem::take(&mut self.row),
+            std::mem::take(&mut self.other),
+        );
+        let result = self.rows(
+            (code, monomials, functions),
+            (j, secondary),
+            &mut row,
+            &mut other,
+        );
+        (self.row, self.other) = (row, other);
+        result
+    }
+
+    #[inline(always)]
+    fn rows(
+        &mut self,
+        (code, monomials, functions): (&Code, &Monomials, &Functions),
+        (j, secondary): (usize, usize),
+        row: &mut [f64],
+        other: &mut [f64],
+    ) -> Result<(), Undefined> {
+        let k = self.stride;
+        for (register, step) in code.instructions.iter().enumerate() {
+            if (j > 0 && !step.moving) || (!step.primary && j > secondary) {
+                continue;
+            }
+            let moves = |a: usize| code.instructions[a].moving;
+            match step.op {
+                Op::State(_) | Op::Param(_) | Op::Input(_) | Op::Constant(_) => continue,
+                Op::Add(a, b) => {
+                    let (a, b) = (self.block(a), self.block(b));
+                    for (c, slot) in row.iter_mut().enumerate() {
+                        *slot = a[c * k + j] + b[c * k + j];
+                    }
+                }
+                Op::Sub(a, b) => {
+                    let (a, b) = (self.block(a), self.block(b));
+                    for (c, slot) in row.iter_mut().enumerate() {
+                        *slot = a[c * k + j] - b[c * k + j];
+                    }
+                }
+                Op::Neg(a) => {
+                    let a = self.block(a);
+                    for (c, slot) in row.iter_mut().enumerate() {
+                        *slot = -a[c * k + j];
+                    }
+                }
+                Op::Mul(a, b) => {
+                    let still = if !moves(a) {
+                        Some((a, b))
+                    } else if !moves(b) {
+                        Some((b, a))
+                    } else {
+                        None
+                    };
+                    match still {
+                        Some((a, b)) if !code.instructions[a].uncertain => {
+                            let (factor, b) = (self.block(a)[0], self.block(b));
+                            for (c, slot) in row.iter_mut().enumerate() {
+                                *slot = factor * b[c * k + j];
+                            }
+                        }
+                        Some((a, b)) => {
+                            let (a, b) = (self.block(a), self.block(b));
+                            for (c, slot) in row.iter_mut().enumerate() {
+                                *slot = monomials
+                                    .factors(c)
+                                    .iter()
+                                    .map(|&(x, y)| a[x as usize * k] * b[y as usize * k + j])
+                                    .sum();
+                            }
+                        }
+                        None => {
+                            convolve_rows(monomials, self.block(a), self.block(b), k, j, row);
+                        }
+                    }
+                }
+                Op::Square(a) => {
+                    let a = self.block(a);
+                    convolve_rows(monomials, a, a, k, j, row);
+                }
+                Op::Recip(a) => {
+                    let (below, own) = (self.block(a), self.block(register));
+                    if j == 0 {
+                        let centre = below[0];
+                        if centre == 0.0 {
+                            return Err(Undefined);
+                        }
+                        let mut next = 1.0 / centre;
+                        let coefficients: Vec<f64> = (0..=monomials.degree)
+                            .map(|_| {
+                                let now = next;
+                                next = -now / centre;
+                                now
+                            })
+                            .collect();
+                        compose(monomials, &coefficients, below, k, row, other);
+                    } else {
+                        for (c, slot) in other.iter_mut().enumerate() {
+                            let mut sum = 0.0;
+                            for &(x, y) in monomials.factors(c) {
+                                let (x, y) = (x as usize * k, y as usize * k);
+                                sum += convolve(&below[x + 1..=x + j], &own[y..y + j]);
+                            }
+                            *slot = sum;
+                        }
+                        for (c, slot) in row.iter_mut().enumerate() {
+                            let factors = monomials.factors(c).iter();
+                            *slot = -factors
+                                .map(|&(x, y)| own[x as usize * k] * other[y as usize])
+                                .sum::<f64>();
+                        }
+                    }
+                }
+                Op::Call {
+                    function,
+                    operand,
+                    slope,
+                } => {
+                    let inner = self.block(operand);
+                    if j == 0 {
+                        let centre = Interval::point(inner[0]);
+                        let coefficients: Vec<f64> = functions
+                            .expand(function, centre, monomials.degree)
+                            .ok_or(Undefined)?
+                            .into_iter()
+                            .map(Interval::mid)
+                            .collect();
+                        compose(monomials, &coefficients, self.block(operand), k, row, other);
+                    } else {
+                        let slope = self.block(slope);
+                        for (c, slot) in row.iter_mut().enumerate() {
+                            let mut sum = 0.0;
+                            for &(x, y) in monomials.factors(c) {
+                                let (x, y) = (x as usize * k, y as usize * k);
+                                for i in 1..=j {
+                                    sum += i as f64 * inner[x + i] * slope[y + j - i];
+                                }
+                            }
+                            *slot = sum / j as f64;
+                        }
+                    }
+                }
+                Op::Abs(a) => {
+                    let a = self.block(a);
+                    let sign = if a[0] < 0.0 { -1.0 } else { 1.0 };
+                    for (c, slot) in row.iter_mut().enumerate() {
+                        *slot = sign * a[c * k + j];
+                    }
+                }
+                Op::Sign(a) => {
+                    row.fill(0.0);
+                    row[0] = if self.block(a)[0] < 0.0 { -1.0 } else { 1.0 };
+                }
+            }
+            self.store(register, j, row);
+        }
+        Ok(())
+    }
+
+    /// Order `j + 1` of a state from order `j` of its rate, both in scaled time.
+    #[inline(always)]
+    pub(super) fn integrate(&mut self, state: usize, rate: usize, j: usize, unit: f64) {
+        let (k, factor) = (self.stride, unit / (j + 1) as f64);
+        for c in 0..self.monomials {
+            let value = factor * self.block(rate)[c * k + j];
+            self.block_mut(state)[c * k + j + 1] = value;
+        }
+    }
+}
+
+/// Row `j` of the product of two registers.
+#[inline(always)]
+fn convolve_rows(
+    monomials: &Monomials,
+    a: &[f64],
+    b: &[f64],
+    stride: usize,
+    j: usize,
+    row: &mut [f64],
+) {
+    for (c, slot) in row.iter_mut().enumerate() {
+        let mut sum = 0.0;
+        for &(x, y) in monomials.factors(c) {
+            let (x, y) = (x as usize * stride, y as usize * stride);
+            sum += convolve(&a[x..=x + j], &b[y..=y + j]);
+        }
+        *slot = sum;
+    }
+}
+
+/// `Σ a_i b_(n-1-i)` in four partial sums, so that the compiler may use vectors; no term passes through
+/// more than `n` roundings.
+#[inline(always)]
+pub(super) fn convolve(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 4];
+    let left = a.chunks_exact(4);
+    let rest: f64 = left
+        .remainder()
+        .iter()
+        .zip(b.iter().take(left.remainder().len()).rev())
+        .map(|(x, y)| x * y)
+        .sum();
+    for (x, y) in left.zip(b.rchunks_exact(4)) {
+        for (lane, sum) in sums.iter_mut().enumerate() {
+            *sum += x[lane] * y[3 - lane];
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
+}
+
+/// `Σ g_m (a - a_0)^m` for the polynomial `a` in the unknowns that is order 0 of a register, by
+/// Horner's rule.
+fn compose(
+    monomials: &Monomials,
+    coefficients: &[f64],
+    a: &[f64],
+    stride: usize,
+    row: &mut [f64],
+    other: &mut [f64],
+) {
+    row.fill(0.0);
+    for g in coefficients.iter().rev() {
+        for (c, slot) in other.iter_mut().enumerate() {
+            let factors = monomials.factors(c).iter();
+            *slot = factors
+                .filter(|(x, _)| *x > 0)
+                .map(|&(x, y)| a[x as usize * stride] * row[y as usize])
+                .sum();
+        }
+        row.copy_from_slice(other);
+        row[0] += g;
+    }
+}

@@ -1,0 +1,294 @@
+//! The set that is moved: what every solution depends on is kept as polynomials.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: one polynomial per state, one coefficient per monomial"
+)]
+
+use std::sync::Arc;
+
+use super::frame::Frame;
+use super::monomials::Monomials;
+use super::outward::raised;
+use super::range::range;
+use veribound_interval::Interval;
+
+/// Settings of forms.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FormOptions {
+    /// Order of the Taylor series in time; 4 to 40.
+    pub order: usize,
+    /// Degree of the polynomials in the unknowns; `None` chooses by their number.
+    pub degree: Option<usize>,
+    /// What one step may neglect in time, relative to the size of a state.
+    pub tolerance: f64,
+    /// What one step may neglect in time, relative to the width of the set.
+    pub share: f64,
+    /// Longest step, times the norm of `∂f/∂x`.
+    pub steepest: f64,
+}
+
+impl Default for FormOptions {
+    fn default() -> Self {
+        FormOptions {
+            order: 20,
+            degree: None,
+            tolerance: 1e-17,
+            share: 1e-7,
+            steepest: 0.7,
+        }
+    }
+}
+
+impl FormOptions {
+    /// Order of the variational equation, which only multiplies what dependence could not keep.
+    pub(super) fn slopes(&self) -> usize {
+        self.order.min(12)
+    }
+}
+
+/// An uncertain quantity that dependence is kept on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unknown {
+    /// The start value of this state.
+    Start(usize),
+    /// This parameter.
+    Param(usize),
+}
+
+/// Where an unknown lies: at `middle + radius δ` with some numbers of these intervals.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Range {
+    pub(super) unknown: Unknown,
+    pub(super) middle: Interval,
+    pub(super) radius: Interval,
+}
+
+impl Range {
+    fn bounds(self) -> Interval {
+        self.middle + self.radius * Interval::symmetric(1.0)
+    }
+}
+
+/// A parameter as polynomial in the unknowns, and how far it can be from that.
+#[derive(Debug, Clone)]
+pub(super) struct ParamForm {
+    pub(super) polynomial: Vec<f64>,
+    pub(super) radius: f64,
+}
+
+/// A quantity as an affine function of the unknowns.
+///
+/// Guarantee: for every `δ` in the unit box the quantity of the solution that belongs to `δ` lies in
+/// `centre + Σ slopes[i] δ_i + remainder`. `δ_i = (value - middle) / radius` of the unknown `i`
+/// ([`Form::unknowns`]).
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutputForm {
+    /// Value for all unknowns in their middles.
+    pub centre: f64,
+    /// One for every unknown.
+    pub slopes: Vec<f64>,
+    /// What is not affine, and what is not known.
+    pub remainder: Interval,
+    /// Encloses all values; not wider than the affine function says, mostly narrower.
+    pub hull: Interval,
+}
+
+/// The states of all solutions at one time, as functions of unknowns that stay the same: start values and
+/// parameters.
+///
+/// Guarantee: for every `δ` in the unit box, the solution that starts at the start values and has the
+/// parameters of `δ` lies in `P(δ) + Q r` for some `r` in a box, where the unknowns are
+/// `middle + radius δ`.
+#[derive(Debug, Clone)]
+pub struct Form {
+    pub(super) monomials: Arc<Monomials>,
+    pub(super) options: FormOptions,
+    pub(super) unknowns: Vec<Range>,
+    /// One polynomial per state.
+    pub(super) states: Vec<Vec<f64>>,
+    pub(super) params: Vec<ParamForm>,
+    pub(super) frame: Frame,
+    pub(super) tube: Vec<Interval>,
+    /// Length of the next step: a hint.
+    pub(super) step: f64,
+    /// Sizes of the states lately: a hint.
+    pub(super) scale: Vec<f64>,
+    /// Time since the start.
+    pub(super) elapsed: Interval,
+}
+
+/// Uncertainty below this share of a value is not worth a variable of its own.
+const THIN: f64 = 1e-11;
+
+/// The middle and the radius of an interval.
+fn split(x: Interval) -> Option<(f64, f64)> {
+    let (middle, radius) = x.mid_rad();
+    (radius > THIN * middle.abs()).then_some((middle, radius))
+}
+
+/// A degree whose polynomials have at most about a hundred terms.
+fn usual_degree(unknowns: usize) -> usize {
+    match unknowns {
+        0 => 0,
+        1 => 8,
+        2 => 6,
+        3 => 4,
+        4..=5 => 3,
+        6..=10 => 2,
+        _ => 1,
+    }
+}
+
+impl Form {
+    pub(super) fn new(states: &[Interval], params: &[Interval], options: FormOptions) -> Form {
+        let options = FormOptions {
+            order: options.order.clamp(4, 40),
+            ..options
+        };
+        let starts = states
+            .iter()
+            .enumerate()
+            .map(|(i, x)| (Unknown::Start(i), *x));
+        let values = params
+            .iter()
+            .enumerate()
+            .map(|(i, x)| (Unknown::Param(i), *x));
+        let unknowns: Vec<Range> = starts
+            .chain(values)
+            .filter_map(|(unknown, x)| {
+                let (middle, radius) = split(x)?;
+                Some(Range {
+                    unknown,
+                    middle: Interval::point(middle),
+                    radius: Interval::point(radius),
+                })
+            })
+            .collect();
+        let degree = options
+            .degree
+            .unwrap_or_else(|| usual_degree(unknowns.len()));
+        let monomials = Monomials::new(unknowns.len(), degree.max(1));
+        let polynomial = |unknown: Unknown, x: Interval| -> (Vec<f64>, Interval) {
+            let mut polynomial = vec![0.0; monomials.len()];
+            polynomial[0] = x.mid();
+            match unknowns.iter().position(|known| known.unknown == unknown) {
+                Some(v) => {
+                    polynomial[1 + v] = x.rad();
+                    (polynomial, Interval::ZERO)
+                }
+                None => (polynomial, x - Interval::point(x.mid())),
+            }
+        };
+        let (starts, rests): (Vec<Vec<f64>>, Vec<Interval>) = states
+            .iter()
+            .enumerate()
+            .map(|(i, x)| polynomial(Unknown::Start(i), *x))
+            .unzip();
+        let params = params
+            .iter()
+            .enumerate()
+            .map(|(i, x)| {
+                let (polynomial, rest) = polynomial(Unknown::Param(i), *x);
+                let radius = rest.mag();
+                ParamForm { polynomial, radius }
+            })
+            .collect();
+        Form {
+            scale: starts.iter().map(|p| p[0].abs()).collect(),
+            monomials: Arc::new(monomials),
+            options,
+            unknowns,
+            states: starts,
+            params,
+            frame: Frame::upright(rests),
+            tube: states.to_vec(),
+            step: f64::INFINITY,
+            elapsed: Interval::ZERO,
+        }
+    }
+
+    /// What the form depends on, each with the values it may have; in the order of
+    /// [`OutputForm::slopes`].
+    pub fn unknowns(&self) -> Vec<(Unknown, Interval)> {
+        let list = self.unknowns.iter();
+        list.map(|range| (range.unknown, range.bounds())).collect()
+    }
+
+    /// Time since the start.
+    pub fn elapsed(&self) -> Interval {
+        self.elapsed
+    }
+
+    /// Encloses every state at this time.
+    ///
+    /// Cost: branch and bound over the unknowns; more than a step, where polynomials have many terms.
+    pub fn hull(&self) -> Vec<Interval> {
+        self.states
+            .iter()
+            .zip(self.frame.hull())
+            .map(|(polynomial, rest)| range(&self.monomials, polynomial) + rest)
+            .collect()
+    }
+
+    /// As [`Form::hull`], faster and wider.
+    pub(super) fn quick_hull(&self) -> Vec<Interval> {
+        let rest = self.frame.hull();
+        let enclose = |(polynomial, rest): (&Vec<f64>, Interval)| {
+            let size: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
+            Interval::point(polynomial[0]).inflate(raised(size, polynomial.len())) + rest
+        };
+        self.states.iter().zip(rest).map(enclose).collect()
+    }
+
+    /// Encloses every state at every time of the last [`Flow::advance`](super::Flow::advance).
+    pub fn tube(&self) -> &[Interval] {
+        &self.tube
+    }
+
+    /// A state as a function of the unknowns.
+    pub fn state(&self, state: usize) -> OutputForm {
+        let rest = self.frame.hull();
+        self.affine(&self.states[state], rest[state])
+    }
+
+    /// The affine part of a polynomial, and the rest of it with `rest`.
+    pub(super) fn affine(&self, polynomial: &[f64], rest: Interval) -> OutputForm {
+        let count = self.unknowns.len();
+        let mut curved = polynomial.to_vec();
+        curved[..=count].fill(0.0);
+        OutputForm {
+            centre: polynomial[0],
+            slopes: polynomial[1..=count].to_vec(),
+            remainder: range(&self.monomials, &curved) + rest,
+            hull: range(&self.monomials, polynomial) + rest,
+        }
+    }
+
+    /// Moves what dependence could not keep by the matrix `map`, adds the vector `low` and the box `more`;
+    /// its middle goes to the polynomials, so that only less than a float of it stays.
+    pub(super) fn transport(&mut self, map: &[Interval], low: &[f64], more: &[Interval]) {
+        let low: Vec<Interval> = low.iter().map(|x| Interval::point(*x)).collect();
+        let (moved, shift) = self.frame.moved(map, &low);
+        let mut more = more.to_vec();
+        for ((polynomial, shift), more) in self.states.iter_mut().zip(shift).zip(&mut more) {
+            let (sum, rest) = two_sum(polynomial[0], shift);
+            polynomial[0] = sum;
+            *more += Interval::point(rest);
+        }
+        self.frame = moved.completed(&more);
+    }
+
+    /// What a step may neglect for a state.
+    pub(super) fn tolerance(&self, state: usize) -> f64 {
+        let width: f64 = self.states[state][1..].iter().map(|x| x.abs()).sum();
+        let options = &self.options;
+        (options.tolerance * self.scale[state]).max(options.share * width) + 1e-200
+    }
+}
+
+/// `a + b` rounded, and what rounding took, exactly unless numbers overflow.
+pub(super) fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let other = sum - a;
+    (sum, (a - (sum - other)) + (b - other))
+}

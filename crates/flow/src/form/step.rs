@@ -1,0 +1,497 @@
+//! One step of a form. The theorem is in the comment of [`super`].
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: vectors have one entry per state, matrices `n * n`; orders stay below the stride"
+)]
+
+use super::code::Op;
+use super::compare::exponential;
+use super::error::Errors;
+use super::flow::Flow;
+use super::outward::{UNIT, powers, raised};
+use super::series::Series;
+use super::set::{Form, two_sum};
+use super::size::beyond;
+use veribound_interval::Interval;
+
+/// Rounds in which the bound of the deviation may grow before a step is called too long.
+const ROUNDS: usize = 8;
+
+/// Times a step is shortened before it is given up.
+const SHORTENINGS: usize = 40;
+
+/// Why a step could not be proved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Obstacle {
+    /// Even the shortest step allowed finds no bound: the set grew too much.
+    TooLong,
+    /// A function is not defined, or not smooth, somewhere on the set.
+    Undefined,
+    /// The right-hand side may jump on the set.
+    Jump,
+    /// Numbers became too large.
+    Unbounded,
+}
+
+/// Scratch for steps of one shape of forms.
+#[derive(Debug, Clone)]
+pub(super) struct Scratch {
+    series: Series,
+    errors: Errors,
+    /// Radii on the polynomial itself, and on everything within the bound of the deviation.
+    radii: [Vec<f64>; 2],
+    orders: usize,
+}
+
+impl Scratch {
+    pub(super) fn new(flow: &Flow, form: &Form) -> Scratch {
+        let orders = form.options.order;
+        let count = flow.code.instructions.len();
+        let mut series = Series::new(&flow.code, &form.monomials, orders);
+        for (register, step) in flow.code.instructions.iter().enumerate() {
+            match step.op {
+                Op::Constant(value) => series.start(register, &[value.mid()]),
+                Op::Param(i) => series.start(register, &form.params[i].polynomial),
+                _ => {}
+            }
+        }
+        Scratch {
+            series,
+            errors: Errors::new(&flow.code, &form.monomials, orders),
+            radii: [vec![0.0; count], vec![0.0; count]],
+            orders,
+        }
+    }
+}
+
+/// What a step proved.
+struct Bounds {
+    /// Time at the end, scaled.
+    span: f64,
+    /// How far solutions can be from the polynomial during the step.
+    deviation: Vec<f64>,
+    /// How fast they can move away from it at once, in scaled time.
+    defect: Vec<f64>,
+    /// `|∂f/∂x|`, scaled by the length of the step.
+    steepness: Vec<f64>,
+}
+
+impl Flow {
+    /// Moves `form` by at most `longest`, for constant unknowns and inputs that are any measurable
+    /// functions in `inputs`; returns the time moved, which is `longest` itself if that was in reach.
+    pub(super) fn single_step(
+        &self,
+        form: &mut Form,
+        scratch: &mut Scratch,
+        inputs: &[Interval],
+        longest: Interval,
+        shortest: f64,
+    ) -> Result<Interval, Obstacle> {
+        let mut unit = binary(form.step.min(2.0 * longest.hi()));
+        let mut attempts = 0;
+        loop {
+            attempts += 1;
+            match self.attempt(form, scratch, inputs, longest, unit) {
+                Ok(moved) => return Ok(moved),
+                Err(obstacle) if attempts > SHORTENINGS || unit < shortest => {
+                    return Err(obstacle);
+                }
+                Err(Obstacle::Unbounded) => unit *= 1.0 / 64.0,
+                Err(_) => unit *= 0.25,
+            }
+        }
+    }
+
+    /// One step in time scaled by `unit`, a power of two.
+    fn attempt(
+        &self,
+        form: &mut Form,
+        scratch: &mut Scratch,
+        inputs: &[Interval],
+        longest: Interval,
+        unit: f64,
+    ) -> Result<Interval, Obstacle> {
+        let (n, orders) = (self.states, scratch.orders);
+        self.expand(form, scratch, inputs, unit)?;
+        let most = raised(longest.hi() / unit, 1);
+        let mut span = self.promising(form, scratch, unit).min(most);
+        let reach = form.frame.hull();
+        let mut tries = 0;
+        let bounds = loop {
+            tries += 1;
+            match self.bound(form, scratch, inputs, (unit, span), &reach) {
+                Ok(bounds) => break bounds,
+                Err(obstacle) if tries > 3 || obstacle == Obstacle::Unbounded => {
+                    return Err(obstacle);
+                }
+                Err(_) => span *= 0.5,
+            }
+        };
+        // The last step ends anywhere in the rest of time.
+        let last = span >= most;
+        let (moved, end, slack) = if last {
+            let middle = longest.mid();
+            let end = middle / unit;
+            let off = (longest - Interval::point(end) * Interval::point(unit)).mag();
+            (longest, end, off)
+        } else {
+            (Interval::point(span) * Interval::point(unit), span, 0.0)
+        };
+        let map = self.fundamental(form, scratch, unit, end);
+        let leak = self.leak(scratch, &map, unit, &bounds, &reach);
+        let Some(leak) = leak else {
+            return Err(Obstacle::TooLong);
+        };
+        let errors = &scratch.errors;
+        let mut lows = vec![0.0; n];
+        let mut more = vec![Interval::ZERO; n];
+        let mut next: Vec<Vec<f64>> = Vec::with_capacity(n);
+        for i in 0..n {
+            let register = self.code.states[i];
+            let size = &errors.sizes[register];
+            let Ahead {
+                polynomial,
+                low,
+                lost,
+            } = ahead(&scratch.series, register, (orders, end), &errors.weights);
+            let rate = self.rates[i];
+            let speed = errors.sizes[rate].total + scratch.radii[1][rate];
+            more[i] = Interval::symmetric(raised(leak[i] + lost + slack * speed, 4));
+            lows[i] = low;
+            next.push(polynomial);
+            let around = raised(size.deviation + bounds.deviation[i], 1);
+            let during = Interval::point(size.centre).inflate(around);
+            form.tube[i] = form.tube[i].hull(during);
+        }
+        form.states = next;
+        form.transport(&map.matrix, &lows, &more);
+        for (scale, polynomial) in form.scale.iter_mut().zip(&form.states) {
+            *scale = (0.9 * *scale).max(polynomial[0].abs());
+        }
+        form.step = unit
+            * if last {
+                span.max(form.step / unit)
+            } else {
+                2.0 * span
+            };
+        let bounded =
+            form.frame.is_bounded() && form.states.iter().flatten().all(|x| x.is_finite());
+        if bounded {
+            Ok(moved)
+        } else {
+            Err(Obstacle::Unbounded)
+        }
+    }
+
+    /// Taylor coefficients of the polynomial solution.
+    fn expand(
+        &self,
+        form: &Form,
+        scratch: &mut Scratch,
+        inputs: &[Interval],
+        unit: f64,
+    ) -> Result<(), Obstacle> {
+        let (orders, secondary) = (scratch.orders, form.options.slopes());
+        let series = &mut scratch.series;
+        for (register, step) in self.code.instructions.iter().enumerate() {
+            match step.op {
+                Op::State(i) => series.start(register, &form.states[i]),
+                Op::Input(i) => series.start(register, &[inputs[i].mid()]),
+                _ => {}
+            }
+        }
+        for j in 0..=orders {
+            let done = series.compute(&self.code, &form.monomials, &self.functions, j, secondary);
+            done.map_err(|_| Obstacle::Undefined)?;
+            if j < orders {
+                for (state, rate) in self.code.states.iter().zip(&self.rates) {
+                    series.integrate(*state, *rate, j, unit);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The scaled time after which the first neglected term reaches the tolerance: a hint.
+    fn promising(&self, form: &Form, scratch: &Scratch, unit: f64) -> f64 {
+        let orders = scratch.orders;
+        let stride = scratch.series.stride;
+        let mut span = f64::INFINITY;
+        for (i, rate) in self.rates.iter().enumerate() {
+            let block = scratch.series.block(*rate);
+            let norm = |j: usize| -> f64 {
+                let row = block.chunks_exact(stride);
+                unit * row.map(|row| row[j].abs()).sum::<f64>()
+            };
+            let tolerance = form.tolerance(i);
+            for j in [orders - 1, orders] {
+                let size = norm(j);
+                if size > 0.0 {
+                    span = span.min((tolerance / size).powf(1.0 / (j + 1) as f64));
+                }
+            }
+        }
+        let mut steepest: f64 = 0.0;
+        let mut rows = vec![0.0; self.states];
+        for &(i, _, register) in &self.slopes {
+            rows[i] += scratch.series.block(register)[0].abs() * unit;
+            steepest = steepest.max(rows[i]);
+        }
+        let span = span.min(form.options.steepest / steepest);
+        if span.is_finite() { span } else { 1e6 }
+    }
+
+    /// Bounds the deviation of every solution that starts within `reach` of the polynomial.
+    fn bound(
+        &self,
+        form: &Form,
+        scratch: &mut Scratch,
+        inputs: &[Interval],
+        (unit, span): (f64, f64),
+        reach: &[Interval],
+    ) -> Result<Bounds, Obstacle> {
+        let (n, orders) = (self.states, scratch.orders);
+        let given = |op: Op| match op {
+            Op::Constant(value) => value.rad(),
+            Op::Param(i) => form.params[i].radius,
+            Op::Input(i) => inputs[i].rad(),
+            _ => 0.0,
+        };
+        let errors = &mut scratch.errors;
+        errors
+            .measure(
+                (&self.code, &form.monomials, &self.functions),
+                &scratch.series,
+                (span, orders, form.options.slopes()),
+                &given,
+            )
+            .map_err(Obstacle::from)?;
+        let [exact, near] = &mut scratch.radii;
+        let on_it = vec![0.0; n];
+        errors
+            .radii(&self.code, &self.functions, &on_it, exact)
+            .map_err(Obstacle::from)?;
+        let defect: Vec<f64> = self
+            .rates
+            .iter()
+            .map(|&rate| {
+                let size = &errors.sizes[rate];
+                let open = if size.top == orders {
+                    size.time[orders]
+                } else {
+                    0.0
+                };
+                // Division by a power of two is exact.
+                let divided = size.time[..=size.top].iter().enumerate();
+                let rounding: f64 = divided
+                    .filter(|(j, _)| !(j + 1).is_power_of_two())
+                    .map(|(_, x)| 2.01 * UNIT * x)
+                    .sum();
+                raised(unit * (exact[rate] + open + rounding), orders + 4)
+            })
+            .collect();
+        let from: Vec<f64> = reach.iter().map(|x| x.mag()).collect();
+        let over: Vec<f64> = defect.iter().map(|d| raised(d * span, 1)).collect();
+        let mut deviation: Vec<f64> = from
+            .iter()
+            .zip(&over)
+            .map(|(a, b)| 2.0 * (a + b) + 1e-200)
+            .collect();
+        let mut steepness = vec![0.0; n * n];
+        for _ in 0..ROUNDS {
+            errors
+                .radii(&self.code, &self.functions, &deviation, near)
+                .map_err(Obstacle::from)?;
+            steepness.fill(0.0);
+            for &(i, l, register) in &self.slopes {
+                let size = &errors.sizes[register];
+                let around = raised(size.deviation + near[register], 1);
+                let most = if i == l {
+                    (size.centre + around).max(0.0)
+                } else {
+                    size.centre.abs() + around
+                };
+                steepness[i * n + l] = raised(most * unit * span, 3);
+            }
+            let start = exponential(n, &steepness, &from, 0).ok_or(Obstacle::TooLong)?;
+            let gained = exponential(n, &steepness, &over, 1).ok_or(Obstacle::TooLong)?;
+            let bound: Vec<f64> = start
+                .iter()
+                .zip(&gained)
+                .map(|(a, b)| raised(a + b, 1))
+                .collect();
+            if bound.iter().zip(&deviation).all(|(b, d)| b < d) {
+                return Ok(Bounds {
+                    span,
+                    deviation,
+                    defect,
+                    steepness,
+                });
+            }
+            for (d, b) in deviation.iter_mut().zip(&bound) {
+                *d = d.max(1.5 * b);
+            }
+        }
+        Err(Obstacle::TooLong)
+    }
+
+    /// Solution matrix of the variational equation along the centre, as polynomial in time and at `end`.
+    fn fundamental(&self, form: &Form, scratch: &Scratch, unit: f64, end: f64) -> Fundamental {
+        let n = self.states;
+        let orders = form.options.slopes();
+        let stride = orders + 1;
+        let mut values = vec![0.0; n * n * stride];
+        for i in 0..n {
+            values[(i * n + i) * stride] = 1.0;
+        }
+        for j in 0..orders {
+            let factor = unit / (j + 1) as f64;
+            for &(i, l, register) in &self.slopes {
+                let slope = &scratch.series.block(register)[..=j];
+                for c in 0..n {
+                    let column = (l * n + c) * stride;
+                    let sum = super::series::convolve(slope, &values[column..=column + j]);
+                    values[(i * n + c) * stride + j + 1] += factor * sum;
+                }
+            }
+        }
+        let weights = &scratch.errors.weights;
+        let mut time = vec![0.0; n * n * stride];
+        let mut end_powers = vec![0.0; stride];
+        powers(end, &mut end_powers);
+        let mut matrix = Vec::with_capacity(n * n);
+        for (entry, sizes) in values
+            .chunks_exact(stride)
+            .zip(time.chunks_exact_mut(stride))
+        {
+            let mut size = 0.0;
+            for (j, (value, slot)) in entry.iter().zip(sizes).enumerate() {
+                *slot = raised(value.abs() * weights[j], 1);
+                size += (2 * j + 1) as f64 * value.abs() * end_powers[j];
+            }
+            let value = entry.iter().rev().fold(0.0, |sum, x| sum * end + x);
+            let off = raised(1.01 * UNIT * size, stride + 4);
+            matrix.push(Interval::point(value).inflate(off));
+        }
+        Fundamental {
+            stride,
+            time,
+            matrix,
+        }
+    }
+
+    /// How far solutions can be, at any time of the step, from the polynomial plus the fundamental matrix
+    /// times their deviation at the start.
+    fn leak(
+        &self,
+        scratch: &Scratch,
+        map: &Fundamental,
+        unit: f64,
+        bounds: &Bounds,
+        reach: &[Interval],
+    ) -> Option<Vec<f64>> {
+        let (n, stride) = (self.states, map.stride);
+        let errors = &scratch.errors;
+        let mut rate = bounds.defect.clone();
+        for &(i, l, register) in &self.slopes {
+            let size = &errors.sizes[register];
+            let along = scratch.series.block(register);
+            let top = size.top;
+            let centre: Vec<f64> = along[..=top]
+                .iter()
+                .zip(&errors.weights)
+                .map(|(x, w)| raised(x.abs() * w, 1))
+                .collect();
+            let others: f64 = size.degree[1..].iter().sum();
+            // Rounding of the coefficients of the matrix: n products of up to `stride` terms each.
+            let terms = (n * stride + 4) as f64;
+            let rounding = 1.01 * UNIT * terms * centre.iter().sum::<f64>();
+            let apart = raised(
+                others + scratch.radii[1][register] + rounding,
+                top + size.degree.len() + 4,
+            );
+            for (c, from) in reach.iter().enumerate() {
+                let from = from.mag();
+                if from == 0.0 {
+                    continue;
+                }
+                let column = (l * n + c) * stride;
+                let column = &map.time[column..column + stride];
+                let total: f64 = column.iter().sum();
+                // The derivative of the polynomial matrix has orders below `stride - 1`.
+                let open = beyond(&centre, column, stride - 2);
+                let gap = raised(apart * total + open, stride + 3);
+                rate[i] = raised(rate[i] + unit * gap * from, 3);
+            }
+        }
+        let over: Vec<f64> = rate.iter().map(|r| raised(r * bounds.span, 1)).collect();
+        exponential(n, &bounds.steepness, &over, 1)
+    }
+}
+
+/// The fundamental matrix: sizes of its coefficients by order in time, and its value at the end.
+struct Fundamental {
+    stride: usize,
+    time: Vec<f64>,
+    matrix: Vec<Interval>,
+}
+
+/// The largest power of two that is not above `x`.
+fn binary(x: f64) -> f64 {
+    if x.is_normal() {
+        f64::from_bits(x.to_bits() & (0x7ff << 52))
+    } else {
+        1.0
+    }
+}
+
+/// A state at scaled time `end`.
+struct Ahead {
+    /// The polynomial in the unknowns.
+    polynomial: Vec<f64>,
+    /// What rounding took from its constant, as far as it is known.
+    low: f64,
+    /// What rounding can have taken besides.
+    lost: f64,
+}
+
+/// The polynomial of a state ahead of time.
+///
+/// A coefficient of order `j` passes through at most `2 j` roundings in Horner's rule. For the constant,
+/// the sum with order 0 and the product of order 1 are taken without error: rounding then only costs
+/// what is of second order in the step.
+fn ahead(series: &Series, register: usize, (orders, end): (usize, f64), weights: &[f64]) -> Ahead {
+    let rows = series.block(register).chunks_exact(series.stride);
+    let (mut low, mut lost) = (0.0, 0.0);
+    let polynomial = rows
+        .clone()
+        .enumerate()
+        .map(|(a, row)| {
+            let from = if a == 0 { 2 } else { 1 };
+            let tail = row[from..=orders]
+                .iter()
+                .rev()
+                .fold(0.0, |sum, x| sum * end + x);
+            for (j, (x, weight)) in row.iter().zip(weights).enumerate().skip(from) {
+                lost += 2.02 * UNIT * j as f64 * x.abs() * weight;
+            }
+            if a > 0 {
+                let value = row[0] + tail * end;
+                lost += 1.01 * UNIT * value.abs();
+                return value;
+            }
+            let first = row[1] * end;
+            let first_low = row[1].mul_add(end, -first);
+            let (sum, sum_low) = two_sum(row[0], first);
+            let (sum, tail_low) = two_sum(sum, tail * end * end);
+            low = first_low + sum_low + tail_low;
+            lost += 4.0 * UNIT * (first_low.abs() + sum_low.abs() + tail_low.abs());
+            sum
+        })
+        .collect();
+    Ahead {
+        polynomial,
+        low,
+        lost: raised(lost, rows.len() * (orders + 2) + 8),
+    }
+}

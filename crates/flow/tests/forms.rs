@@ -1,0 +1,502 @@
+//! Forms lose no solution, stay near the true set, and fail without a claim.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking"
+)]
+
+mod common;
+
+use common::smooth::{SMOOTH, Smooth, part, travel};
+use common::{Rng, interval, read};
+use veribound_flow::form::{Flow, Form, FormOptions, Obstacle, Output, OutputForm, Unknown};
+use veribound_interval::{Decimal, Interval};
+
+/// Error of the integrator in `common::smooth`, for sizes around one.
+const SLACK: f64 = 1e-11;
+
+fn flow(text: &str) -> Flow {
+    Flow::new(&read("form", text)).unwrap()
+}
+
+fn has(x: Interval, value: f64, slack: f64) -> bool {
+    x.lo() - slack <= value && value <= x.hi() + slack
+}
+
+fn random_options(rng: &mut Rng) -> FormOptions {
+    FormOptions {
+        order: rng.pick(&[5, 8, 12, 20, 27]),
+        degree: rng.pick(&[None, Some(1), Some(2), Some(3)]),
+        share: rng.pick(&[1e-7, 1e-3]),
+        steepest: rng.pick(&[0.3, 0.7, 2.0]),
+        ..FormOptions::default()
+    }
+}
+
+/// Start, state now, parameters.
+type Solution = (Vec<f64>, Vec<f64>, Vec<f64>);
+
+/// Integrates the corners, the middle and random points of the boxes beside the form.
+fn attack(model: &Smooth, rng: &mut Rng, checks: &mut usize) {
+    let flow = flow(model.text);
+    let widest = rng.pick(&[0.05, 0.2, 0.5]);
+    let states: Vec<Interval> = model.states.iter().map(|r| part(rng, *r, widest)).collect();
+    let params: Vec<Interval> = model.params.iter().map(|r| part(rng, *r, widest)).collect();
+    let mut form = flow.start(&states, &params, random_options(rng));
+    let mut points: Vec<Solution> = (0..12)
+        .map(|_| {
+            let start: Vec<f64> = states.iter().map(|r| rng.inside(*r)).collect();
+            let p = params.iter().map(|r| rng.inside(*r)).collect();
+            (start.clone(), start, p)
+        })
+        .collect();
+    let stretches = 1 + rng.below(3);
+    for _ in 0..stretches {
+        let dt = model.time / stretches as f64;
+        let ranges = model.inputs.iter();
+        let inputs: Vec<Interval> = ranges.map(|r| part(rng, *r, 0.1)).collect();
+        if flow
+            .advance(&mut form, &inputs, Interval::point(dt))
+            .is_err()
+        {
+            return;
+        }
+        let tube = form.tube().to_vec();
+        for (_, x, p) in &mut points {
+            // Any input function: here it changes a few times.
+            let changes = 1 + rng.below(4);
+            for _ in 0..changes {
+                let u: Vec<f64> = inputs.iter().map(|r| rng.inside(*r)).collect();
+                travel(model.rate, x, p, &u, dt / changes as f64, 0.02);
+                for (x, tube) in x.iter().zip(&tube) {
+                    assert!(has(*tube, *x, SLACK), "{}: {x} in {tube}", model.name);
+                    *checks += 1;
+                }
+            }
+        }
+        let hull = form.hull();
+        for (start, x, p) in &points {
+            for (i, x) in x.iter().enumerate() {
+                let name = model.name;
+                assert!(
+                    has(hull[i], *x, SLACK),
+                    "{name}: state {i}: {x} in {}",
+                    hull[i]
+                );
+                assert!(
+                    hull[i].is_subset_of(tube[i].inflate(1e-9 + 0.05 * tube[i].width())),
+                    "{name}: {} {}",
+                    hull[i],
+                    tube[i]
+                );
+                let affine = form.state(i);
+                let value = at(&form, &affine, start, p);
+                assert!(has(value, *x, SLACK), "{name}: {x} in {value} by the form");
+                *checks += 2;
+            }
+        }
+    }
+}
+
+/// The affine function at the unknowns of the solution that starts at `x` with parameters `p`.
+fn at(form: &Form, affine: &OutputForm, x: &[f64], p: &[f64]) -> Interval {
+    let mut value = Interval::point(affine.centre) + affine.remainder;
+    for ((unknown, range), slope) in form.unknowns().iter().zip(&affine.slopes) {
+        let own = match unknown {
+            Unknown::Start(i) => x[*i],
+            Unknown::Param(i) => p[*i],
+        };
+        let delta = Interval::point(own) - Interval::point(range.mid());
+        value += Interval::point(*slope) * (delta / Interval::point(range.rad()));
+    }
+    value
+}
+
+#[test]
+fn no_solution_is_lost() {
+    let mut rng = Rng(11);
+    for model in SMOOTH {
+        let mut checks = 0;
+        for _ in 0..60 {
+            attack(model, &mut rng, &mut checks);
+        }
+        assert!(checks > 3000, "{}: only {checks} checks", model.name);
+    }
+}
+
+/// Random linear systems with an uncertain start and a constant input, against the exponential of the
+/// matrix `[[A, b], [0, 0]]`; the hull of a linear image of a box is known.
+#[test]
+fn linear_systems_are_enclosed_tightly() {
+    let mut rng = Rng(5);
+    for round in 0..60 {
+        let n = 1 + rng.below(4);
+        let a: Vec<i64> = (0..n * n).map(|_| rng.below(9) as i64 - 4).collect();
+        let names: Vec<String> = (0..n).map(|i| format!("x{i}")).collect();
+        let rates: String = (0..n)
+            .map(|i| {
+                let sum: String = (0..n)
+                    .map(|l| format!(" + ({})*x{l}/4", a[i * n + l]))
+                    .collect();
+                format!("x{i} = \"{} * u{sum}\"\n", i + 1)
+            })
+            .collect();
+        let inits: String = names.iter().map(|x| format!("{x} = 0\n")).collect();
+        let flow = flow(&format!(
+            "format = 1\nstates = {names:?}\ninputs = [\"u\"]\n[init]\n{inits}[der]\n{rates}[outputs]\nm = \"x0 +- 1\"\n"
+        ));
+        let start: Vec<Interval> = (0..n)
+            .map(|_| {
+                let middle = rng.between(-2.0, 2.0);
+                interval(middle - 0.125, middle + 0.125)
+            })
+            .collect();
+        let (u, time) = (rng.between(-1.0, 1.0), rng.between(0.1, 3.0));
+        let mut form = flow.start(&start, &[], FormOptions::default());
+        flow.advance(&mut form, &[Interval::point(u)], Interval::point(time))
+            .unwrap();
+        let m = n + 1;
+        let mut generator = vec![0.0; m * m];
+        for i in 0..n {
+            for l in 0..n {
+                generator[i * m + l] = a[i * n + l] as f64 / 4.0 * time;
+            }
+            generator[i * m + n] = (i + 1) as f64 * time;
+        }
+        let exact = exponential(m, &generator);
+        let hull = form.hull();
+        for i in 0..n {
+            let row = &exact[i * m..(i + 1) * m];
+            let middle: f64 = (0..n).map(|l| row[l] * start[l].mid()).sum::<f64>() + row[n] * u;
+            let radius: f64 = (0..n).map(|l| row[l].abs() * 0.125).sum();
+            let size = 1.0 + middle.abs() + radius;
+            let slack = 1e-13 * size;
+            let (lo, hi) = (middle - radius, middle + radius);
+            assert!(
+                has(hull[i], lo, slack) && has(hull[i], hi, slack),
+                "{round}: {lo} {hi} {}",
+                hull[i]
+            );
+            assert!(
+                hull[i].width() <= 2.0 * radius * (1.0 + 1e-4) + slack,
+                "{round}"
+            );
+        }
+    }
+}
+
+/// By scaling and squaring; good to some 1e-14.
+fn exponential(n: usize, a: &[f64]) -> Vec<f64> {
+    let times = |x: &[f64], y: &[f64]| -> Vec<f64> {
+        (0..n * n)
+            .map(|k| (0..n).map(|l| x[k / n * n + l] * y[l * n + k % n]).sum())
+            .collect()
+    };
+    let identity: Vec<f64> = (0..n * n)
+        .map(|k| f64::from(u8::from(k % (n + 1) == 0)))
+        .collect();
+    let scaled: Vec<f64> = a.iter().map(|x| x / 64.0).collect();
+    let (mut sum, mut term) = (identity.clone(), identity);
+    for k in 1..25 {
+        term = times(&term, &scaled)
+            .iter()
+            .map(|x| x / f64::from(k))
+            .collect();
+        sum = sum.iter().zip(&term).map(|(x, y)| x + y).collect();
+    }
+    for _ in 0..6 {
+        sum = times(&sum, &sum);
+    }
+    sum
+}
+
+/// The exact values are from a Taylor series of order 40 with 40 digits.
+#[test]
+fn lorenz_after_ten_seconds() {
+    let flow = flow(SMOOTH[7].text);
+    let start = [15.0, 15.0, 36.0].map(Interval::point);
+    let mut form = flow.start(&start, &[Interval::point(28.0)], FormOptions::default());
+    flow.advance(&mut form, &[], Interval::point(10.0)).unwrap();
+    for (x, exact) in form.hull().iter().zip([
+        -5.909_806_554_623_889,
+        -11.341_403_153_690_429,
+        9.080_177_822_327_795,
+    ]) {
+        assert!(
+            has(*x, exact, 0.0) && x.width() < 1.35e-7,
+            "{x:?} for {exact}"
+        );
+    }
+}
+
+const B2: &str = "format = 1\nstates = [\"x1\", \"x2\"]\ninputs = [\"u\"]\n[init]\nx1 = 0\nx2 = 0\n\
+    [params]\nalpha = [-2.2, -1.8]\nbeta = [95, 105]\n\
+    [der]\nx1 = \"x2\"\nx2 = \"alpha*x2 + beta*(u - 0.1)\"\n[outputs]\nm = \"x1 +- 1\"\n";
+
+/// With u = 0.5 a peer that kept remainders symbolically said x1 <= 34.3133 at 2 s; 34.3281 is true. The exact hull
+/// at 5 s is known too.
+#[test]
+fn a_staircase_with_constant_parameters() {
+    let flow = flow(B2);
+    let decimal = |text: &str| Decimal::parse(text).unwrap().to_interval();
+    let params = [decimal("-2.2").hull(decimal("-1.8")), interval(95.0, 105.0)];
+    let start = [Interval::ZERO, Interval::point(0.5)];
+    let mut form = flow.start(&start, &params, FormOptions::default());
+    flow.advance(&mut form, &[decimal("0.5")], Interval::point(2.0))
+        .unwrap();
+    assert!(form.hull()[0].hi() >= 34.328_087_96, "{:?}", form.hull());
+    for degree in 1..=5 {
+        let options = FormOptions {
+            degree: Some(degree),
+            ..FormOptions::default()
+        };
+        let mut form = flow.start(&start, &params, options);
+        for k in 0..10 {
+            let u = decimal(if k % 2 == 0 { "0.5" } else { "0.3" });
+            flow.advance(&mut form, &[u], Interval::point(0.5)).unwrap();
+        }
+        let exact = [
+            interval(60.0940744, 79.4238177),
+            interval(10.7930363, 15.0371282),
+        ];
+        for (x, exact) in form.hull().iter().zip(exact) {
+            assert!(exact.is_subset_of(x.inflate(1e-7)), "{degree}: {x}");
+            if degree > 2 {
+                assert!(x.width() <= 1.01 * exact.width(), "{degree}: {x}");
+            }
+        }
+    }
+}
+
+/// After a measurement the centre and the unknowns must be related anew: with x1' = 0, x2' = x1,
+/// x0 = [-1, 1] x {0} and x2(1) in [0.5, 1], a peer lost x1 = 0.95.
+#[test]
+fn a_measurement_narrows_the_unknowns_and_loses_nothing() {
+    let text = "format = 1\nstates = [\"x1\", \"x2\"]\n[init]\nx1 = 0\nx2 = 0\n\
+                [der]\nx1 = \"0\"\nx2 = \"x1\"\n[outputs]\nm = \"x2 +- 1\"\n";
+    let model = read("contract", text);
+    let flow = Flow::new(&model).unwrap();
+    let output = Output::new(&model, model.outputs[0].expr);
+    let mut form = flow.start(
+        &[interval(-1.0, 1.0), Interval::ZERO],
+        &[],
+        FormOptions::default(),
+    );
+    flow.advance(&mut form, &[], Interval::ONE).unwrap();
+    let y = form.output(&output, &[]).unwrap();
+    assert_eq!(form.contract(&y, interval(0.5, 1.0)), Ok(true));
+    flow.advance(&mut form, &[], Interval::ONE).unwrap();
+    let hull = form.hull();
+    for truth in [0.5, 0.75, 0.95, 1.0] {
+        assert!(
+            hull[0].contains(truth) && hull[1].contains(2.0 * truth),
+            "{hull:?}"
+        );
+    }
+    assert!(
+        interval(0.5, 1.0).is_subset_of(hull[0]) && hull[0].width() < 0.5 + 1e-12,
+        "{hull:?}"
+    );
+    assert!(form.unknowns()[0].1.width() < 0.5 + 1e-12);
+    let y = form.output(&output, &[]).unwrap();
+    assert!(
+        form.contract(&y, interval(2.1, 3.0)).is_err(),
+        "a contradiction is proved"
+    );
+}
+
+/// Contracted by measurements of one true solution, the form never loses that solution.
+#[test]
+fn contraction_keeps_the_truth() {
+    let mut rng = Rng(23);
+    for model in SMOOTH
+        .iter()
+        .filter(|model| model.name != "kinks that are continuous")
+    {
+        let text = read(model.name, model.text);
+        let output = Output::new(&text, text.outputs[0].expr);
+        let flow = Flow::new(&text).unwrap();
+        for _ in 0..12 {
+            let states: Vec<Interval> = model
+                .states
+                .iter()
+                .map(|r| part(&mut rng, *r, 0.1))
+                .collect();
+            let params: Vec<Interval> = model
+                .params
+                .iter()
+                .map(|r| part(&mut rng, *r, 0.1))
+                .collect();
+            let mut x: Vec<f64> = states.iter().map(|r| rng.inside(*r)).collect();
+            let p: Vec<f64> = params.iter().map(|r| rng.inside(*r)).collect();
+            let mut form = flow.start(&states, &params, random_options(&mut rng));
+            for _ in 0..5 {
+                let u: Vec<f64> = model.inputs.iter().map(|r| rng.between(r.0, r.1)).collect();
+                let inputs: Vec<Interval> = u.iter().map(|u| Interval::point(*u)).collect();
+                let dt = model.time / 8.0;
+                if flow
+                    .advance(&mut form, &inputs, Interval::point(dt))
+                    .is_err()
+                {
+                    break;
+                }
+                travel(model.rate, &mut x, &p, &u, dt, 0.02);
+                let y = form.output(&output, &inputs).unwrap();
+                let truth = if text.outputs[0].name == "m" && model.name == "tanks" {
+                    x[1]
+                } else {
+                    x[0]
+                };
+                assert!(
+                    has(y.hull, truth, SLACK),
+                    "{}: {truth} in {}",
+                    model.name,
+                    y.hull
+                );
+                let shift = rng.between(-1.0, 1.0);
+                let measured = interval(truth - 1e-3 * (1.1 - shift), truth + 1e-3 * (1.1 + shift));
+                form.contract(&y, measured).unwrap();
+                for (hull, x) in form.hull().iter().zip(&x) {
+                    assert!(has(*hull, *x, SLACK), "{}: {x} in {hull}", model.name);
+                }
+                for (unknown, range) in form.unknowns() {
+                    if let Unknown::Param(i) = unknown {
+                        assert!(has(range, p[i], 1e-12), "{}", model.name);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Smaller sets give smaller hulls, and stretches of time can be divided anyhow.
+#[test]
+fn parts_lie_inside_and_stretches_agree() {
+    let mut rng = Rng(31);
+    for model in SMOOTH {
+        let flow = flow(model.text);
+        for _ in 0..6 {
+            let inputs: Vec<Interval> = model
+                .inputs
+                .iter()
+                .map(|r| part(&mut rng, *r, 0.0))
+                .collect();
+            let states: Vec<Interval> = model
+                .states
+                .iter()
+                .map(|r| part(&mut rng, *r, 0.1))
+                .collect();
+            let params: Vec<Interval> = model
+                .params
+                .iter()
+                .map(|r| part(&mut rng, *r, 0.1))
+                .collect();
+            let inner = |rng: &mut Rng, x: &Interval| {
+                let (a, b) = (rng.inside(*x), rng.inside(*x));
+                interval(a.min(b), a.max(b))
+            };
+            let fewer: Vec<Interval> = states.iter().map(|x| inner(&mut rng, x)).collect();
+            let run = |states: &[Interval], parts: usize| -> Option<Vec<Interval>> {
+                let mut form = flow.start(states, &params, FormOptions::default());
+                for _ in 0..parts {
+                    let dt = Interval::point(0.25 * model.time / parts as f64);
+                    flow.advance(&mut form, &inputs, dt).ok()?;
+                }
+                Some(form.hull())
+            };
+            let (Some(whole), Some(part)) = (run(&states, 1), run(&fewer, 1)) else {
+                panic!("{}", model.name)
+            };
+            for (x, y) in part.iter().zip(&whole) {
+                let slack = 2e-3 * y.width() + 1e-12;
+                assert!(
+                    x.is_subset_of(y.inflate(slack)),
+                    "{}: {x} in {y}",
+                    model.name
+                );
+            }
+            let divided = run(&states, 3).unwrap();
+            for (x, y) in divided.iter().zip(&whole) {
+                let gap = (x.lo() - y.lo()).abs().max((x.hi() - y.hi()).abs());
+                let share = if model.name == "kinks that are continuous" {
+                    0.5
+                } else {
+                    0.02
+                };
+                assert!(
+                    gap <= share * y.width() + 1e-12,
+                    "{}: {x} and {y}",
+                    model.name
+                );
+            }
+        }
+    }
+}
+
+/// `x' = -x + u` with `|u| <= 1`: every `x` up to `1 - exp(-t)` is reached, no other.
+#[test]
+fn inputs_are_any_functions() {
+    let text = "format = 1\nstates = [\"x\"]\ninputs = [\"u\"]\n[init]\nx = 0\n[der]\nx = \"u - x\"\n\
+                [outputs]\nm = \"x +- 1\"\n";
+    let flow = flow(text);
+    let mut form = flow.start(&[Interval::ZERO], &[], FormOptions::default());
+    for k in 1..=20 {
+        flow.advance(&mut form, &[interval(-1.0, 1.0)], Interval::point(0.125))
+            .unwrap();
+        let most = 1.0 - f64::exp(-0.125 * f64::from(k));
+        let x = form.hull()[0];
+        assert!(x.hi() >= most - 1e-14 && x.lo() <= -most + 1e-14, "{x}");
+        assert!(x.mag() <= 1.2 * most, "{x} for {most}");
+    }
+}
+
+/// What cannot be proved is an error that leaves the form where it was, at once and at every size.
+#[test]
+fn failures_change_nothing_and_claim_nothing() {
+    let case = |der: &str, start: Interval, time: f64| {
+        let flow = flow(&format!(
+            "format = 1\nstates = [\"x\"]\n[init]\nx = 0\n[der]\nx = \"{der}\"\n[outputs]\nm = \"x +- 1\"\n"
+        ));
+        let mut form = flow.start(&[start], &[], FormOptions::default());
+        let before = form.hull();
+        let result = flow.advance(&mut form, &[], Interval::point(time));
+        assert_eq!(form.hull(), before);
+        let diverged = result.unwrap_err();
+        assert!(diverged.reached.hi() <= time, "{der}");
+        diverged
+    };
+    // Blows up at 1.
+    assert!(case("x^2", Interval::ONE, 1.5).reached.hi() < 1.0);
+    assert!(case("x^2", interval(0.9, 1.0), 1.05).reached.hi() < 1.0);
+    let switching = read(
+        "modes",
+        "format = 1\nstates = [\"x\"]\n[init]\nx = 0\n[der]\nx = \"-sign(x)\"\n[outputs]\nm = \"x +- 1\"\n",
+    );
+    assert!(Flow::new(&switching).is_err());
+    assert!(case("-sqrt(x)", Interval::ONE, 3.0).reached.hi() < 2.0);
+    assert_eq!(
+        case("log(x)", interval(-1.0, 1.0), 0.1).obstacle,
+        Obstacle::Undefined
+    );
+    assert_eq!(
+        case("1/x", interval(-1.0, 1.0), 0.1).obstacle,
+        Obstacle::Undefined
+    );
+    // x' = 1 + x^2 from 0 has its pole at pi/2.
+    assert!(case("1 + x^2", Interval::ZERO, 2.0).reached.hi() < std::f64::consts::FRAC_PI_2);
+}
+
+/// The end may lie anywhere in the time given.
+#[test]
+fn uncertain_times() {
+    let text = "format = 1\nstates = [\"x\"]\n[init]\nx = 0\n[der]\nx = \"x\"\n[outputs]\nm = \"x +- 1\"\n";
+    let flow = flow(text);
+    let mut form = flow.start(&[Interval::ONE], &[], FormOptions::default());
+    flow.advance(&mut form, &[], interval(1.0, 1.25)).unwrap();
+    let (x, tube) = (form.hull()[0], form.tube()[0]);
+    let exact = interval(1.0_f64.exp(), 1.25_f64.exp());
+    assert!(exact.is_subset_of(x.inflate(1e-13)) && x.width() < 1.5 * exact.width());
+    assert!(interval(1.0, 1.25_f64.exp()).is_subset_of(tube.inflate(1e-13)));
+}
