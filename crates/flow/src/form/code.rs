@@ -31,6 +31,8 @@ pub(super) enum Op {
     },
     Abs(usize),
     Sign(usize),
+    /// The slope of a sign: zero where it is decided.
+    Impulse(usize),
 }
 
 /// One instruction and what is known of its result.
@@ -129,7 +131,10 @@ impl Code {
 
 /// Functions that are computed by their slope.
 fn is_call(function: Unary) -> bool {
-    !matches!(function, Unary::Neg | Unary::Abs | Unary::Sign)
+    !matches!(
+        function,
+        Unary::Neg | Unary::Abs | Unary::Sign | Unary::Impulse
+    )
 }
 
 /// The derivative of `function` at `a`.
@@ -157,7 +162,7 @@ impl Builder {
                 (of(a).0 || of(b).0, of(a).1 || of(b).1)
             }
             // Decided on the whole set, or not at all.
-            Op::Sign(_) => (false, false),
+            Op::Sign(_) | Op::Impulse(_) => (false, false),
             Op::Neg(a)
             | Op::Square(a)
             | Op::Recip(a)
@@ -204,6 +209,7 @@ impl Builder {
                     Unary::Neg => Op::Neg(operand),
                     Unary::Abs => Op::Abs(operand),
                     Unary::Sign => Op::Sign(operand),
+                    Unary::Impulse => Op::Impulse(operand),
                     _ => Op::Call {
                         function,
                         operand,

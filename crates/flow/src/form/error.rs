@@ -92,7 +92,7 @@ impl Errors {
             };
             self.own[register] = match step.op {
                 Op::Constant(_) | Op::Param(_) | Op::Input(_) => given(step.op),
-                Op::State(_) | Op::Neg(_) | Op::Abs(_) | Op::Sign(_) => 0.0,
+                Op::State(_) | Op::Neg(_) | Op::Abs(_) | Op::Sign(_) | Op::Impulse(_) => 0.0,
                 Op::Add(..) | Op::Sub(..) => rounded,
                 Op::Mul(a, b) if certain(a) || certain(b) => rounded,
                 Op::Mul(a, b) => sizes[a].product(&sizes[b], monomials, own.top),
@@ -193,6 +193,8 @@ impl Errors {
                     let over = reach(a, radii) - sizes[a].centre.abs();
                     raised(radii[a] + 2.0 * over.max(0.0), 3)
                 }
+                Op::Impulse(a) if reach(a, radii) < sizes[a].centre.abs() => 0.0,
+                Op::Impulse(_) => return Err(Trouble::Jump),
                 Op::Sign(a) => {
                     let decided = reach(a, radii) < sizes[a].centre.abs();
                     match (decided, step.primary) {

@@ -231,6 +231,7 @@ impl Series {
                         *slot = sign * a[c * k + j];
                     }
                 }
+                Op::Impulse(_) => row.fill(0.0),
                 Op::Sign(a) => {
                     row.fill(0.0);
                     row[0] = if self.block(a)[0] < 0.0 { -1.0 } else { 1.0 };
