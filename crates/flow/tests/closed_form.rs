@@ -347,7 +347,7 @@ v_m = "v +- 0.1"
 type Flow = fn(f64, f64, f64) -> f64;
 
 /// `x' = f(x, p)` and its flow `(x0, p, t)`.
-const FLOWS: [(&str, f64, f64, Flow); 29] = [
+const FLOWS: [(&str, f64, f64, Flow); 38] = [
     ("p*x", 0.7, -1.3, |x, p, t| x * (p * t).exp()),
     ("p*x", -0.7, 2.3, |x, p, t| x * (p * t).exp()),
     ("p*x*(1 - x)", 0.3, 2.0, |x, p, t| {
@@ -407,6 +407,30 @@ const FLOWS: [(&str, f64, f64, Flow); 29] = [
         (x.ln() * (t / 2.0_f64.ln()).exp()).exp()
     }),
     ("x*log(x)", 0.4, 0.0, |x, _, t| (x.ln() * t.exp()).exp()),
+    ("cbrt(x)", 0.7, 0.0, |x, _, t| {
+        (x.powf(2.0 / 3.0) + 2.0 * t / 3.0).powf(1.5)
+    }),
+    ("-cbrt(x)", -0.7, 0.0, |x, _, t| {
+        -((-x).powf(2.0 / 3.0) - 2.0 * t / 3.0).powf(1.5)
+    }),
+    ("-x^1.5", 0.7, 0.0, |x, _, t| {
+        (x.powf(-0.5) + t / 2.0).powi(-2)
+    }),
+    ("x^(-0.3)", 0.7, 0.0, |x, _, t| {
+        (x.powf(1.3) + 1.3 * t).powf(1.0 / 1.3)
+    }),
+    ("x^p", 0.7, 1.3, |x, p, t| {
+        (x.powf(1.0 - p) + (1.0 - p) * t).powf(1.0 / (1.0 - p))
+    }),
+    ("1 + floor(x + 2)*(p - x)", -1.5, 2.0, |x, _, t| x + t),
+    ("round(x)*(p - x)", 1.6, 2.0, |x, p, t| {
+        p + (x - p) * (-2.0 * t).exp()
+    }),
+    ("-trunc(x)*x", -1.1, 0.0, |x, _, t| x * t.exp()),
+    ("atan2(p, x)*(x^2 + p^2)", -0.4, 0.6, |x, p, t| {
+        let angle = p.atan2(x) * (-p * t).exp();
+        p * angle.cos() / angle.sin()
+    }),
     ("abs(x) + max(x, p)", -0.5, -2.0, |x, _, _| x),
     ("min(x, 2) - 3*max(0, x - p)", 0.3, 0.1, |x, p, t| {
         (x - 1.5 * p) * (-2.0 * t).exp() + 1.5 * p

@@ -5,7 +5,9 @@ use num_traits::{One, Signed, Zero};
 use std::collections::HashMap;
 
 mod derivative;
+mod elementary;
 mod function;
+pub(crate) mod jump;
 mod range;
 mod show;
 
@@ -330,7 +332,12 @@ impl Graph {
                 }
                 Unary::Sign if !zero => return self.integer(if negative { -1 } else { 1 }),
                 Unary::Impulse if !zero => return self.integer(0),
+                Unary::Floor => {
+                    let floor = x.floor();
+                    return self.constant(floor);
+                }
                 Unary::Sqrt
+                | Unary::Cbrt
                 | Unary::Sin
                 | Unary::Tan
                 | Unary::Asin
@@ -359,6 +366,9 @@ impl Graph {
             Binary::Div => self.div(a, b),
             Binary::Min => self.min(a, b),
             Binary::Max => self.max(a, b),
+            Binary::Pow | Binary::Atan2 | Binary::Atan2Cut => {
+                self.intern(Node::Binary(function, a, b))
+            }
         }
     }
 

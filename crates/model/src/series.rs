@@ -5,11 +5,11 @@
               order asked for is below `stride`"
 )]
 
-use crate::graph::{Binary, ExprId, Graph, Unary};
+use crate::graph::{Binary, ExprId, Graph, Unary, jump};
 use crate::regular::Regular;
 use crate::tape::{Compiler, Instruction, Layout, Op, Tape};
-use veribound_interval::Interval;
-use veribound_interval::lanes::{Arithmetic, Kernel, MaskOf, Value};
+use veribound_interval::lanes::{Arithmetic, Kernel, Lanewise, MaskOf, Value};
+use veribound_interval::{Interval, Regularity, domain};
 
 /// A tape that evaluates Taylor coefficients in time.
 ///
@@ -68,6 +68,14 @@ impl<V: Value> Coefficients<V> {
         } else {
             A::div(&sum, &number::<V>(k))
         }
+    }
+
+    /// Coefficient `k > 0` of `out = a^exponent`, from `a out' = exponent out a'`.
+    #[inline(always)]
+    fn power<A: Arithmetic<Value = V>>(&self, a: u32, out: u32, exponent: &V, k: usize) -> V {
+        let known = self.integrate::<A>(out, a, k, k - 1);
+        let grows = A::mul(exponent, &self.integrate::<A>(a, out, k, k));
+        A::div(&A::sub(&grows, &known), self.at(a, 0))
     }
 
     /// Coefficient `k` of `a²`; symmetric pairs are taken once so that squares stay tight.
@@ -287,6 +295,42 @@ impl Instruction {
                 };
                 A::select(takes_a, c.at(a, k), c.at(b, k))
             }
+            Op::Binary(Binary::Pow) => {
+                let start = c.at(a, 0);
+                regular = Regular::undefined(if self.moving {
+                    !A::is_positive(start)
+                } else {
+                    A::test2(start, c.at(b, 0), |a, b| {
+                        domain::pow(a, b) == Regularity::Undefined
+                    })
+                });
+                if self.moving_operands.1 {
+                    // Only numbers are exponents.
+                    regular = Regular::undefined(MaskOf::<A>::splat(true));
+                }
+                if k == 0 {
+                    Binary::Pow.apply::<A>(start, c.at(b, 0))
+                } else {
+                    c.power::<A>(a, out, c.at(b, 0), k)
+                }
+            }
+            Op::Binary(function @ (Binary::Atan2 | Binary::Atan2Cut)) => {
+                let (y, x) = (c.at(a, 0), c.at(b, 0));
+                regular = Regular::by_lane(|wanted| {
+                    A::test2(y, x, |y, x| jump::atan2_regularity(y, x) == wanted)
+                });
+                if k == 0 {
+                    function.apply::<A>(y, x)
+                } else if function == Binary::Atan2Cut {
+                    number::<A::Value>(0)
+                } else {
+                    // (x² + y²) angle' = x y' - y x'; the companion is the sum of squares.
+                    let turns =
+                        A::sub(&c.integrate::<A>(a, b, k, k), &c.integrate::<A>(b, a, k, k));
+                    let known = c.integrate::<A>(out, self.companion, k, k - 1);
+                    A::div(&A::sub(&turns, &known), c.at(self.companion, 0))
+                }
+            }
             Op::Unary(function) => return self.compute_unary::<A>(function, k, c),
         };
         c.set(out, k, value);
@@ -324,6 +368,25 @@ impl Instruction {
                     function.apply::<A>(&start)
                 } else {
                     number::<A::Value>(0)
+                }
+            }
+            Unary::Floor | Unary::FloorSlope => {
+                regular = Regular::jump(A::test(&start, |x| {
+                    jump::floor_regularity(x) == Regularity::Jump
+                }));
+                if k == 0 {
+                    function.apply::<A>(&start)
+                } else {
+                    number::<A::Value>(0)
+                }
+            }
+            Unary::Cbrt => {
+                regular = Regular::kink(A::contains_zero(&start));
+                if k == 0 {
+                    function.apply::<A>(&start)
+                } else {
+                    let third = A::div(&one, &number::<A::Value>(3));
+                    c.power::<A>(a, out, &third, k)
                 }
             }
             Unary::Sqrt => {

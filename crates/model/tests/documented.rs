@@ -77,6 +77,7 @@ fn what_it_says_of_functions_holds() {
     };
     for (text, modes) in [
         ("sign(x)", 2),
+        ("floor(x) + round(x)*atan2(T, x) + x^T", 1),
         ("if x > 0 then 1 else 2", 2),
         ("table(x, 0, 0, 1, T)", 1),
         ("table(x, 0, 0, 0, T)", 2),

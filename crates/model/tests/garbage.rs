@@ -23,7 +23,7 @@ impl Dice {
     }
 }
 
-const PIECES: [&str; 66] = [
+const PIECES: [&str; 70] = [
     "(",
     ")",
     "[",
@@ -62,6 +62,10 @@ const PIECES: [&str; 66] = [
     "deadzone(",
     "asin(",
     "cosh(",
+    "floor(",
+    "round(",
+    "atan2(",
+    "^0.5",
     "abs(",
     "not ",
     " and ",
@@ -202,9 +206,10 @@ fn random_expressions_never_panic() {
 
 /// A value, well-formed, of any shape.
 fn value(dice: &mut Dice, depth: usize) -> String {
-    const UNARY: [&str; 21] = [
+    const UNARY: [&str; 26] = [
         "sqrt", "exp", "log", "ln", "log2", "log10", "sin", "cos", "tan", "asin", "acos", "atan",
-        "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "abs", "sign", "-",
+        "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "abs", "sign", "-", "cbrt", "floor",
+        "ceil", "round", "trunc",
     ];
     if depth == 0 {
         return [
@@ -212,7 +217,7 @@ fn value(dice: &mut Dice, depth: usize) -> String {
         ][dice.below(11)]
         .to_string();
     }
-    let kind = dice.below(16);
+    let kind = dice.below(18);
     let mut inner = || value(dice, depth - 1);
     match kind {
         0..=4 => {
@@ -228,6 +233,8 @@ fn value(dice: &mut Dice, depth: usize) -> String {
             format!("{}({a})", UNARY[dice.below(UNARY.len())])
         }
         10 => format!("min({}, {})", inner(), inner()),
+        16 => format!("atan2({}, {})", inner(), inner()),
+        17 => format!("({})^({})", inner(), inner()),
         11 => {
             let (a, b, c) = (inner(), inner(), inner());
             format!("(if {} then {b} else {c})", condition(dice, depth - 1, &a))

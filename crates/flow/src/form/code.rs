@@ -137,8 +137,11 @@ fn is_call(function: Unary) -> bool {
     )
 }
 
-/// The derivative of `function` at `a`.
+/// The derivative of `function` at `a`, where it is smooth.
 fn slope_at(graph: &mut Graph, function: Unary, a: ExprId) -> ExprId {
+    if matches!(function, Unary::Floor | Unary::FloorSlope) {
+        return graph.integer(0);
+    }
     let variable = Var::State(0);
     let x = graph.var(variable);
     let value = graph.unary(function, x);
@@ -244,6 +247,11 @@ impl Builder {
                         });
                         let half = self.emit(Op::Constant(Interval::point(0.5)));
                         self.emit(Op::Mul(half, twice))
+                    }
+                    // Expressions are elementary; without a value, what is not would be no claim.
+                    Binary::Pow | Binary::Atan2 | Binary::Atan2Cut => {
+                        let zero = self.emit(Op::Constant(Interval::ZERO));
+                        self.emit(Op::Recip(zero))
                     }
                 }
             }

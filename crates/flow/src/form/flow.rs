@@ -54,7 +54,8 @@ impl Flow {
         let mut graph = model.graph.clone();
         let layout = model.layout();
         let mut entries: Vec<(usize, usize, ExprId)> = Vec::new();
-        for (i, rate) in mode.der.iter().enumerate() {
+        let rates: Vec<ExprId> = mode.der.iter().map(|e| graph.elementary(*e)).collect();
+        for (i, rate) in rates.iter().enumerate() {
             for l in 0..layout.states {
                 let slope = graph.derivative(*rate, Var::State(l));
                 if slope != graph.integer(0) {
@@ -63,7 +64,7 @@ impl Flow {
             }
         }
         let secondary: Vec<ExprId> = entries.iter().map(|entry| entry.2).collect();
-        let code = Code::compile(&mut graph, layout.states, &mode.der, &secondary);
+        let code = Code::compile(&mut graph, layout.states, &rates, &secondary);
         let functions = Functions::of(&code);
         let (rates, slopes) = code.roots.split_at(layout.states);
         Ok(Flow {

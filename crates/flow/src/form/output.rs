@@ -29,6 +29,7 @@ impl Output {
     /// Compiles `expr` of `model`.
     pub fn new(model: &Model, expr: ExprId) -> Output {
         let mut graph = model.graph.clone();
+        let expr = graph.elementary(expr);
         let code = Code::compile(&mut graph, model.states.len(), &[expr], &[]);
         let functions = Functions::of(&code);
         Output { code, functions }

@@ -978,7 +978,150 @@ pub const RIG_MIRRORED: Target = Target {
     ..RIG_SHORT
 };
 
-pub const ALL: [&Target; 22] = [
+/// Steps of the first state at whole numbers, as switches: half a step each.
+macro_rules! steps {
+    ($b:expr, $($level:literal),*) => {
+        &[$(Switch { g: |x, _, _| x[0] - $level, b: $b }),*]
+    };
+}
+
+/// `floor` of a state in its own equation, as a brake (sliding at whole numbers), or driving away from them.
+pub const FLOOR: Target = Target {
+    name: "floor",
+    text: r#"
+format = 1
+states = ["x", "y"]
+inputs = ["u"]
+init = { x = 0, y = 0 }
+[params]
+a = [-1, 3]
+b = [-2, 2]
+[der]
+x = "u - a*floor(x)"
+y = "b*floor(x) - y*ceil(x)"
+[outputs]
+z = "y +- 1"
+"#,
+    truth: Truth {
+        states: 2,
+        f: |x, _, u, d| {
+            d[0] = u[0];
+            d[1] = -x[1];
+        },
+        switches: steps!(
+            |x, p, _, d| {
+                d[0] = -p[0] / 2.0;
+                d[1] = (p[1] - x[1]) / 2.0;
+            },
+            -5.0,
+            -4.0,
+            -3.0,
+            -2.0,
+            -1.0,
+            0.0,
+            1.0,
+            2.0,
+            3.0,
+            4.0,
+            5.0,
+            6.0
+        ),
+        kinks: &[],
+        longest: 2e-3,
+    },
+    states: &[(-1.8, 1.8, &[-1.0, 0.0, 1.0]), (-1.0, 1.0, &[])],
+    params: &[(-1.0, 3.0), (-2.0, 2.0)],
+    inputs: &[(-2.0, 2.0, &[0.0, 1.0, -1.0])],
+};
+
+/// An encoder's position, fed back by a controller that rounds too; `trunc` has no step at zero.
+pub const ENCODER: Target = Target {
+    name: "encoder",
+    text: r#"
+format = 1
+states = ["x", "y"]
+inputs = ["u"]
+init = { x = 0, y = 0 }
+[params]
+a = [0, 3]
+b = [-2, 2]
+[der]
+x = "round(u/0.5)*0.5 - a*trunc(x)"
+y = "b*trunc(x) + round(y/100)"
+[outputs]
+z = "0.5*floor(x/0.5) +- 0.1"
+"#,
+    truth: Truth {
+        states: 2,
+        f: |_, _, u, d| {
+            d[0] = (u[0] / 0.5).round() * 0.5;
+            d[1] = 0.0;
+        },
+        switches: steps!(
+            |_, p, _, d| {
+                d[0] = -p[0] / 2.0;
+                d[1] = p[1] / 2.0;
+            },
+            -3.0,
+            -2.0,
+            -1.0,
+            1.0,
+            2.0,
+            3.0
+        ),
+        kinks: &[],
+        longest: 2e-3,
+    },
+    states: &[(-1.8, 1.8, &[-1.0, 0.0, 1.0]), (-1.0, 1.0, &[])],
+    params: &[(0.0, 3.0), (-2.0, 2.0)],
+    inputs: &[(-4.0, 4.0, &[0.25, -0.25, 0.75, 1.0])],
+};
+
+/// The angle of a point left of the origin jumps on the axis; the point slides along it or is driven away.
+pub const ANGLE: Target = Target {
+    name: "angle",
+    text: r#"
+format = 1
+states = ["x", "y", "z"]
+inputs = ["u"]
+init = { x = -1, y = 0, z = 0 }
+[params]
+a = [-1, 1]
+b = [-1, 1]
+[der]
+x = "-2 - x"
+y = "u - a*atan2(y, x)"
+z = "b*atan2(y, x) - z"
+[outputs]
+w = "atan2(y, x) +- 0.1"
+"#,
+    truth: Truth {
+        states: 3,
+        f: |x, p, u, d| {
+            let angle = (x[1] / x[0]).atan();
+            d[0] = -2.0 - x[0];
+            d[1] = u[0] - p[0] * angle;
+            d[2] = p[1] * angle - x[2];
+        },
+        switches: &[Switch {
+            g: |x, _, _| x[1],
+            b: |_, p, _, d| {
+                d[1] = -p[0] * std::f64::consts::PI;
+                d[2] = p[1] * std::f64::consts::PI;
+            },
+        }],
+        kinks: &[],
+        longest: 2e-3,
+    },
+    states: &[(-3.0, -0.5, &[]), (-0.5, 0.5, &[0.0]), (-1.0, 1.0, &[])],
+    params: &[(-1.0, 1.0), (-1.0, 1.0)],
+    inputs: &[(-2.0, 2.0, &[0.0])],
+};
+
+pub const ALL: [&Target; 25] = [
+    &FLOOR,
+    &ENCODER,
+    &ANGLE,
     &BRANCHES,
     &RIG_MIRRORED,
     &GATES,

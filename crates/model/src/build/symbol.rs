@@ -104,6 +104,16 @@ functions! {
     acosh = Function::Plain(Unary::Acosh);
     /// The inverse of the hyperbolic tangent.
     atanh = Function::Plain(Unary::Atanh);
+    /// The cube root, of negative numbers too.
+    cbrt = Function::Plain(Unary::Cbrt);
+    /// The next whole number below.
+    floor = Function::Plain(Unary::Floor);
+    /// The next whole number above.
+    ceil = Function::Ceil;
+    /// The nearest whole number.
+    round = Function::Round;
+    /// The next whole number towards zero.
+    trunc = Function::Trunc;
 }
 
 impl Symbol {
@@ -127,11 +137,20 @@ impl Symbol {
         Symbol::call(Function::Max, &[self, &other.into()])
     }
 
+    /// The angle of the point `(x, self)`, in radian.
+    pub fn atan2(&self, x: impl Into<Symbol>) -> Symbol {
+        Symbol::call(Function::Atan2, &[self, &x.into()])
+    }
+
+    /// A power of a value that is not negative.
+    pub fn power(&self, exponent: impl Into<Symbol>) -> Symbol {
+        let kind = |[base, exponent]: [Arc<Ast>; 2]| Kind::Power(base, exponent);
+        Symbol(Tree::join([&self.0, &exponent.into().0], kind))
+    }
+
     /// An integer power.
     pub fn pow(&self, exponent: i32) -> Symbol {
-        let exponent = Symbol::from(exponent);
-        let kind = |[base, exponent]: [Arc<Ast>; 2]| Kind::Power(base, exponent);
-        Symbol(Tree::join([&self.0, &exponent.0], kind))
+        self.power(exponent)
     }
 
     /// The value, cut off at the limits.

@@ -125,6 +125,12 @@ fn definedness(graph: &Graph, guards: &[Guard], domain: &Domain) -> Definedness 
             Node::Unary(Unary::Ln, a) => (a, |v| v.lo() > 0.0),
             // Poles of the tangent lie at odd multiples of pi/2, which no float bounds cheaply.
             Node::Unary(Unary::Tan, a) => (a, |v| v.mag() < 1.5),
+            Node::Unary(Unary::Asin | Unary::Acos, a) => (a, |v| v.mag() <= 1.0),
+            Node::Unary(Unary::Atanh, a) => (a, |v| v.mag() < 1.0),
+            Node::Unary(Unary::Acosh, a) => (a, |v| v.lo() >= 1.0),
+            Node::Binary(Binary::Pow, a, _) => (a, |v| v.lo() > 0.0),
+            // Undefined at the origin, where the other one is zero too.
+            Node::Binary(Binary::Atan2, a, _) => (a, |v| !v.contains(0.0)),
             // The set value at zero makes no comparison with it a clear question.
             Node::Unary(Unary::Sign, a) => (a, |v| !v.contains(0.0)),
             _ => continue,

@@ -11,16 +11,24 @@ pub(crate) use guards::{both, either, negated};
 pub(crate) use switches::Switch;
 
 use crate::file::scope::{Equation, Meaning, Scope};
-use crate::graph::{ExprId, Graph, Var};
+use crate::graph::{Binary, ExprId, Graph, Unary, Var};
 use crate::model::{Guard, Relation};
 use crate::syntax::Problem;
 use crate::syntax::ast::{Arithmetic, Ast, Kind};
-use num_traits::{ToPrimitive, Zero};
+use num_rational::BigRational;
+use num_traits::{Signed, ToPrimitive, Zero};
 
-/// Integer powers beyond this are a mistake.
+/// Powers beyond this are a mistake.
 const LARGEST_POWER: i32 = 1000;
 /// Exact constants beyond this many bits are a mistake, and would fill the memory.
 const MOST_BITS: u64 = 16_384;
+
+/// An exponent.
+enum Exponent {
+    Whole(i32),
+    /// A number that is not whole, or an expression.
+    Real(ExprId),
+}
 
 /// The graph under construction.
 pub(crate) struct Lowering<'s> {
@@ -108,9 +116,9 @@ impl<'s> Lowering<'s> {
                 self.arithmetic(*operation, left?, right?, b, problems)?
             }
             Kind::Power(base, exponent) => {
-                let base = self.value(base, problems)?;
-                let exponent = self.exponent(exponent, problems)?;
-                self.power(base, exponent, ast, problems)?
+                let base = self.value(base, problems);
+                let power = self.exponent(exponent, problems)?;
+                self.power(base?, power, ast, problems)?
             }
             Kind::Call(function, arguments) => self.call(*function, arguments, ast, problems)?,
             Kind::If(condition, yes, no) => {
@@ -197,35 +205,45 @@ impl<'s> Lowering<'s> {
         })
     }
 
-    fn exponent(&mut self, ast: &Ast, problems: &mut Vec<Problem>) -> Option<i32> {
+    fn exponent(&mut self, ast: &Ast, problems: &mut Vec<Problem>) -> Option<Exponent> {
         let exponent = self.value(ast, problems)?;
-        let constant = self.graph.as_constant(exponent);
-        let integer = constant
-            .filter(|c| c.is_integer())
-            .and_then(|c| c.to_integer().to_i32());
-        match integer.filter(|n| n.abs() <= LARGEST_POWER) {
-            Some(n) => Some(n),
-            None => {
-                problems.push(Problem::new(
-                    "E0112",
-                    "the exponent is not an integer",
-                    ast.range.clone(),
-                    format!("expected an integer from -{LARGEST_POWER} to {LARGEST_POWER}"),
-                    "write sqrt(x) for x^0.5, and exp(a*log(x)) for other powers of a positive x",
-                ));
-                None
-            }
+        let Some(constant) = self.graph.as_constant(exponent) else {
+            return Some(Exponent::Real(exponent));
+        };
+        let largest = BigRational::from_integer(LARGEST_POWER.into());
+        if constant.abs() > largest {
+            problems.push(Problem::new(
+                "E0112",
+                "the exponent is too large",
+                ast.range.clone(),
+                format!("expected one from -{LARGEST_POWER} to {LARGEST_POWER}"),
+                "write exp(a*log(x)) if such a power is meant",
+            ));
+            return None;
         }
+        let whole = Some(constant).filter(|c| c.is_integer());
+        let whole = whole.and_then(|c| c.to_integer().to_i32());
+        Some(whole.map_or(Exponent::Real(exponent), Exponent::Whole))
     }
 
     fn power(
         &mut self,
         base: ExprId,
-        exponent: i32,
+        exponent: Exponent,
         ast: &Ast,
         problems: &mut Vec<Problem>,
     ) -> Option<ExprId> {
-        if let Some(constant) = self.graph.as_constant(base) {
+        let constant = self.graph.as_constant(base);
+        let exponent = match exponent {
+            Exponent::Whole(exponent) => exponent,
+            Exponent::Real(_) if constant.is_some_and(|base| !base.is_positive()) => {
+                let what = "a power of a number that is not positive";
+                problems.push(undefined(what, ast, "undefined"));
+                return None;
+            }
+            Exponent::Real(exponent) => return Some(self.real_power(base, exponent)),
+        };
+        if let Some(constant) = constant {
             if constant.is_zero() && exponent <= 0 {
                 problems.push(undefined(
                     "a power of zero that is not positive",
@@ -241,6 +259,20 @@ impl<'s> Lowering<'s> {
             }
         }
         Some(self.graph.powi(base, exponent))
+    }
+
+    /// A power whose exponent is no whole number, of a base that is not negative.
+    fn real_power(&mut self, base: ExprId, exponent: ExprId) -> ExprId {
+        let half = BigRational::new(1.into(), 2.into());
+        match self.graph.as_constant(exponent) {
+            Some(number) if *number == half => self.graph.unary(Unary::Sqrt, base),
+            Some(_) => self.graph.binary(Binary::Pow, base, exponent),
+            None => {
+                let log = self.graph.unary(Unary::Ln, base);
+                let product = self.graph.mul(exponent, log);
+                self.graph.unary(Unary::Exp, product)
+            }
+        }
     }
 }
 

@@ -28,7 +28,7 @@ impl Graph {
     /// At kinks of `abs`, `min` and `max` the enclosure of the result is the generalised (Clarke)
     /// derivative, because `sign` is the set `[-1, 1]` at zero. `sign` itself jumps: the enclosure of its
     /// derivative is 0 on boxes on which it cannot change, and everything on the others
-    /// ([`Unary::Impulse`]). So derivatives may be taken of derivatives.
+    /// ([`Unary::Impulse`]); the same holds for `floor` and `atan2`. So derivatives may be taken of derivatives.
     ///
     /// Guarantee: where `e` is defined on the whole segment between two points of a box that differ in
     /// `var` alone, the enclosure of the result on the box contains the difference quotient of `e`. An empty
@@ -124,6 +124,18 @@ impl Graph {
             Unary::Abs => self.unary(Unary::Sign, a),
             // Where it can change, any slope; that slope jumps as `sign` does.
             Unary::Sign | Unary::Impulse => self.unary(Unary::Impulse, a),
+            Unary::Cbrt => {
+                let (three, square) = (self.integer(3), self.powi(value, 2));
+                let denominator = self.mul(three, square);
+                return self.div(da, denominator);
+            }
+            Unary::Floor => self.unary(Unary::FloorSlope, a),
+            // Zero without a jump, and everything with one.
+            Unary::FloorSlope => {
+                let two = self.integer(2);
+                let twice = self.mul(two, value);
+                self.sub(value, twice)
+            }
         };
         self.mul(outer, da)
     }
@@ -136,6 +148,9 @@ impl Graph {
         da: ExprId,
         db: ExprId,
     ) -> ExprId {
+        if self.is_zero(da) && self.is_zero(db) {
+            return da;
+        }
         match function {
             Binary::Add => self.add(da, db),
             Binary::Sub => self.sub(da, db),
@@ -171,6 +186,32 @@ impl Graph {
                 let two = self.integer(2);
                 self.div(twice, two)
             }
+            Binary::Pow => {
+                // (a^b)' = b a^(b-1) a' + ln(a) a^b b'
+                let one = self.integer(1);
+                let lower = self.sub(b, one);
+                let power = self.binary(Binary::Pow, a, lower);
+                let outer = self.mul(b, power);
+                let left = self.mul(outer, da);
+                if self.is_zero(db) {
+                    return left;
+                }
+                let (log, power) = (self.unary(Unary::Ln, a), self.binary(function, a, b));
+                let outer = self.mul(log, power);
+                let right = self.mul(outer, db);
+                self.add(left, right)
+            }
+            Binary::Atan2 => {
+                // (b a' - a b') / (a² + b²), and the step at the cut
+                let (left, right) = (self.mul(b, da), self.mul(a, db));
+                let numerator = self.sub(left, right);
+                let squares = (self.powi(a, 2), self.powi(b, 2));
+                let denominator = self.add(squares.0, squares.1);
+                let slope = self.div(numerator, denominator);
+                let cut = self.binary(Binary::Atan2Cut, a, b);
+                self.add(slope, cut)
+            }
+            Binary::Atan2Cut => self.binary(function, a, b),
         }
     }
 

@@ -1,5 +1,6 @@
 //! Functions of one and two arguments.
 
+use super::jump;
 use veribound_interval::Interval;
 use veribound_interval::lanes::Arithmetic;
 
@@ -45,6 +46,13 @@ pub enum Unary {
     /// The slope of `sign(a)`: 0 where `a` is not zero; at zero, where `sign` jumps, every number. Not a
     /// word of the language: only second derivatives at kinks hold it.
     Impulse,
+    /// The cube root, of negative numbers too.
+    Cbrt,
+    /// `floor(a)`, with the set `[n - 1, n]` at an integer `n`
+    Floor,
+    /// The slope of `floor(a)`: 0 where it is constant, every number that is not negative where it jumps. Not
+    /// a word of the language.
+    FloorSlope,
 }
 
 /// Functions of two arguments.
@@ -62,6 +70,12 @@ pub enum Binary {
     Min,
     /// The larger one.
     Max,
+    /// `a^b` for `a >= 0`; the exponent is a number.
+    Pow,
+    /// The angle of the point `(b, a)`, with the set `[-pi, pi]` where `a = 0` and `b < 0`
+    Atan2,
+    /// Zero where the box holds no point with `a = 0` and `b < 0`, everything elsewhere.
+    Atan2Cut,
 }
 
 impl Unary {
@@ -87,6 +101,9 @@ impl Unary {
             Unary::Abs => "abs",
             Unary::Sign => "sign",
             Unary::Impulse => "impulse",
+            Unary::Cbrt => "cbrt",
+            Unary::Floor => "floor",
+            Unary::FloorSlope => "floor_slope",
         }
     }
 
@@ -113,6 +130,9 @@ impl Unary {
             Unary::Abs => A::abs(a),
             Unary::Sign => A::sign(a),
             Unary::Impulse => A::map(a, impulse),
+            Unary::Cbrt => A::map(a, |a| a.rootn(3)),
+            Unary::Floor => A::map(a, jump::floor),
+            Unary::FloorSlope => A::map(a, jump::floor_slope),
         }
     }
 }
@@ -129,6 +149,17 @@ fn impulse(a: Interval) -> Interval {
 }
 
 impl Binary {
+    /// The function's name in a model file, where it is not an operator.
+    pub(crate) fn name(self) -> Option<&'static str> {
+        match self {
+            Binary::Min => Some("min"),
+            Binary::Max => Some("max"),
+            Binary::Atan2 => Some("atan2"),
+            Binary::Atan2Cut => Some("atan2_cut"),
+            Binary::Add | Binary::Sub | Binary::Mul | Binary::Div | Binary::Pow => None,
+        }
+    }
+
     /// Every value of the function on `a` and `b`.
     #[inline(always)]
     pub(crate) fn apply<A: Arithmetic>(self, a: &A::Value, b: &A::Value) -> A::Value {
@@ -139,6 +170,9 @@ impl Binary {
             Binary::Div => A::div(a, b),
             Binary::Min => A::min(a, b),
             Binary::Max => A::max(a, b),
+            Binary::Pow => A::map2(a, b, Interval::pow),
+            Binary::Atan2 => A::map2(a, b, jump::atan2),
+            Binary::Atan2Cut => A::map2(a, b, jump::atan2_cut),
         }
     }
 }

@@ -49,22 +49,23 @@ impl Graph {
                 9,
             ),
             Node::Power(a, n) => (format!("{}^{n}", self.show_inside(*a, names, 5)), 4),
+            Node::Binary(Binary::Pow, a, b) => {
+                let base = self.show_inside(*a, names, 5);
+                (format!("{base}^{}", self.show_inside(*b, names, 5)), 4)
+            }
             Node::Binary(function, a, b) => {
+                if let Some(name) = function.name() {
+                    let (a, b) = (
+                        self.show_inside(*a, names, 0),
+                        self.show_inside(*b, names, 0),
+                    );
+                    return format!("{name}({a}, {b})");
+                }
                 let (symbol, strength, right) = match function {
                     Binary::Add => (" + ", 1, 1),
                     Binary::Sub => (" - ", 1, 2),
                     Binary::Mul => ("*", 2, 2),
-                    Binary::Div => ("/", 2, 3),
-                    Binary::Min | Binary::Max => {
-                        let name = if *function == Binary::Min {
-                            "min"
-                        } else {
-                            "max"
-                        };
-                        let a = self.show_inside(*a, names, 0);
-                        let b = self.show_inside(*b, names, 0);
-                        return format!("{name}({a}, {b})");
-                    }
+                    _ => ("/", 2, 3),
                 };
                 let left = self.show_inside(*a, names, strength);
                 let right = self.show_inside(*b, names, right);

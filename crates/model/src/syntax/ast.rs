@@ -55,6 +55,10 @@ pub(crate) enum Function {
     Plain(Unary),
     /// Logarithm to a base.
     LogTo(i64),
+    Ceil,
+    Round,
+    Trunc,
+    Atan2,
     Min,
     Max,
     /// `sat(x, lower, upper)`
@@ -68,7 +72,7 @@ pub(crate) enum Function {
 
 impl Function {
     /// All names, also those that are second names.
-    pub const NAMES: [(&str, Function); 26] = [
+    pub const NAMES: [(&str, Function); 32] = [
         ("sqrt", Function::Plain(Unary::Sqrt)),
         ("exp", Function::Plain(Unary::Exp)),
         ("log", Function::Plain(Unary::Ln)),
@@ -87,6 +91,12 @@ impl Function {
         ("atanh", Function::Plain(Unary::Atanh)),
         ("log2", Function::LogTo(2)),
         ("log10", Function::LogTo(10)),
+        ("cbrt", Function::Plain(Unary::Cbrt)),
+        ("atan2", Function::Atan2),
+        ("floor", Function::Plain(Unary::Floor)),
+        ("ceil", Function::Ceil),
+        ("round", Function::Round),
+        ("trunc", Function::Trunc),
         ("sat", Function::Saturation),
         ("deadzone", Function::DeadZone),
         ("table", Function::Table),
@@ -115,7 +125,12 @@ impl Function {
     /// Fewest and most arguments, and how to write the call.
     pub fn arguments(self) -> (usize, usize, &'static str) {
         match self {
-            Function::Plain(_) | Function::LogTo(_) => (1, 1, "one argument"),
+            Function::Plain(_)
+            | Function::LogTo(_)
+            | Function::Ceil
+            | Function::Round
+            | Function::Trunc => (1, 1, "one argument"),
+            Function::Atan2 => (2, 2, "two arguments: atan2(y, x)"),
             Function::Min | Function::Max => (2, MOST_ARGUMENTS, "two or more arguments"),
             Function::Saturation => (
                 2,

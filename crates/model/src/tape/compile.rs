@@ -28,6 +28,10 @@ impl Compiler<'_> {
     }
 
     fn emit(&mut self, op: Op, a: u32, b: u32) -> u32 {
+        let squares = match op {
+            Op::Binary(Binary::Atan2) if self.series => self.squares(a, b),
+            _ => NO_REGISTER,
+        };
         let moving_operands = (
             self.moving[a as usize],
             b != NO_REGISTER && self.moving[b as usize],
@@ -49,7 +53,7 @@ impl Compiler<'_> {
         let companion = if self.series && needs_companion {
             self.register(moving)
         } else {
-            NO_REGISTER
+            squares
         };
         self.tape.instructions.push(Instruction {
             op,
@@ -62,6 +66,12 @@ impl Compiler<'_> {
             moving_operands,
         });
         out
+    }
+
+    /// The sum of squares by which the derivative of an angle is divided.
+    fn squares(&mut self, a: u32, b: u32) -> u32 {
+        let [a, b] = [a, b].map(|side| self.emit(Op::Square, side, NO_REGISTER));
+        self.emit(Op::Binary(Binary::Add), a, b)
     }
 
     /// The quantity that a register holds, if it does.

@@ -2,7 +2,7 @@
 #![allow(clippy::indexing_slicing, reason = "PROOF: registers as in `tape`")]
 
 use super::{Op, Tape};
-use crate::graph::{Binary, Unary};
+use crate::graph::{Binary, Unary, jump};
 use veribound_interval::Interval;
 use veribound_interval::lanes::{Arithmetic, Kernel, Lanewise, Value};
 
@@ -73,6 +73,10 @@ fn unary_reverse<A: Arithmetic>(function: Unary, out: &A::Value, a: &A::Value) -
         Unary::Atanh => Interval::atanh_rev,
         Unary::Abs => Interval::abs_rev,
         Unary::Sign => Interval::sign_rev,
+        Unary::Cbrt => |out, a| Interval::rootn_rev(3, out, a),
+        Unary::Floor => jump::floor_rev,
+        // Says nothing about its argument that is worth a question.
+        Unary::FloorSlope => return *a,
         // Not zero it is at zero alone.
         Unary::Impulse => |out, a| {
             if out.contains(0.0) {
@@ -112,5 +116,14 @@ fn binary_reverse<A: Arithmetic>(
         ),
         Binary::Min => both(Interval::min_rev),
         Binary::Max => both(Interval::max_rev),
+        Binary::Pow => (
+            A::map3(b, out, a, Interval::pow_rev1),
+            A::map3(a, out, b, Interval::pow_rev2),
+        ),
+        Binary::Atan2 => (
+            A::map3(out, a, b, |out, a, b| jump::atan2_rev(out, a, b).0),
+            A::map3(out, a, b, |out, a, b| jump::atan2_rev(out, a, b).1),
+        ),
+        Binary::Atan2Cut => (*a, *b),
     }
 }

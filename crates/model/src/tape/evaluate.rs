@@ -5,7 +5,7 @@
 )]
 
 use super::{NO_REGISTER, Op, Tape};
-use crate::graph::{Binary, Unary};
+use crate::graph::{Binary, Unary, jump};
 use crate::regular::Regular;
 use veribound_interval::lanes::{Arithmetic, Kernel, Lanewise, MaskOf, Value};
 use veribound_interval::{Interval, Regularity, domain};
@@ -57,6 +57,9 @@ fn unary_regularity<A: Arithmetic>(function: Unary, a: &A::Value) -> Regular<Mas
         | Unary::Cosh
         | Unary::Tanh
         | Unary::Asinh => return Regular::smooth(),
+        Unary::Cbrt if A::is_positive(a).all() => return Regular::smooth(),
+        Unary::Cbrt => |a| domain::rootn(a, 3),
+        Unary::Floor | Unary::FloorSlope => jump::floor_regularity,
         Unary::Impulse => return Regular::undefined(A::contains_zero(a)),
         Unary::Sqrt | Unary::Ln | Unary::Abs | Unary::Sign if A::is_positive(a).all() => {
             return Regular::smooth();
@@ -100,6 +103,14 @@ impl Op {
             Op::Binary(Binary::Max) => {
                 regular = meeting::<A>(a, b);
                 *out = A::max(a, b);
+            }
+            Op::Binary(function @ (Binary::Pow | Binary::Atan2 | Binary::Atan2Cut)) => {
+                let of = match function {
+                    Binary::Pow => domain::pow,
+                    _ => jump::atan2_regularity,
+                };
+                regular = Regular::by_lane(|wanted| A::test2(a, b, |a, b| of(a, b) == wanted));
+                *out = function.apply::<A>(a, b);
             }
             Op::Unary(function) => {
                 regular = unary_regularity::<A>(function, a);

@@ -56,9 +56,8 @@ impl Unit {
         let factors = parse::factors(text)?;
         let mut unit = Unit::plain();
         for (symbol, power) in factors {
-            let next = Exponent::from_integer(power);
             unit = Unit::of_symbol(&symbol)
-                .power(next)
+                .power(power)
                 .and_then(|factor| unit.times(&factor))
                 .ok_or_else(|| parse::too_large(text))?;
         }

@@ -1,14 +1,15 @@
 //! The spelling of units.
 
-use super::LARGEST_POWER;
+use super::{Exponent, LARGEST_DENOMINATOR, LARGEST_POWER};
 use crate::syntax::Problem;
+use num_traits::{One, Signed};
 use std::ops::Range;
 
 /// Brackets inside each other; no real unit needs more.
 const DEEPEST_NESTING: usize = 8;
 
 /// Symbols with their powers.
-type Factors = Vec<(String, i64)>;
+type Factors = Vec<(String, Exponent)>;
 
 /// The symbols of a unit with their powers, in the order of the text. The empty text and `1` stand
 /// for a plain number.
@@ -131,8 +132,9 @@ impl Reader {
                     self.at += 1;
                     // `**` between factors is a power without a base only if nothing was read.
                     let factor = self.factor(nesting)?;
-                    let sign = if operator == '/' { -1 } else { 1 };
-                    product.extend(factor.into_iter().map(|(s, power)| (s, sign * power)));
+                    let divides = operator == '/';
+                    let signed = |power: Exponent| if divides { -power } else { power };
+                    product.extend(factor.into_iter().map(|(s, power)| (s, signed(power))));
                 }
                 // Two symbols with a blank between them: a product.
                 Some((_, c)) if is_letter(c) || c == '(' => product.extend(self.factor(nesting)?),
@@ -146,8 +148,10 @@ impl Reader {
         let start = self.at;
         let power = self.power()?;
         let raised = base.into_iter().map(|(symbol, own)| {
-            let power = power.checked_mul(own)?;
-            (power.abs() <= LARGEST_POWER).then_some((symbol, power))
+            let power = own * power?;
+            let is_small = power.abs() <= Exponent::from_integer(LARGEST_POWER)
+                && *power.denom() <= LARGEST_DENOMINATOR;
+            is_small.then_some((symbol, power))
         });
         raised.collect::<Option<_>>().ok_or_else(|| {
             let range = self.offset(start)..self.offset(self.at);
@@ -168,7 +172,7 @@ impl Reader {
                 "write a unit after the operator or remove the operator",
             )),
             Some((start, '(')) => self.brackets(start, nesting),
-            Some((_, c)) if is_letter(c) => Ok(vec![(self.take_while(is_letter), 1)]),
+            Some((_, c)) if is_letter(c) => Ok(vec![(self.take_while(is_letter), Exponent::one())]),
             Some((start, '1')) => {
                 self.at += 1;
                 let more = self.take_while(|c| c.is_ascii_digit() || c == '.');
@@ -207,12 +211,12 @@ impl Reader {
         }
     }
 
-    /// The power behind a factor; 1 where there is none.
-    fn power(&mut self) -> Result<i64, Problem> {
+    /// The power behind a factor; 1 where there is none, `None` where it is out of all proportion.
+    fn power(&mut self) -> Result<Option<Exponent>, Problem> {
         let raised = self.take_while(|c| matches!(c, '²' | '³'));
         if !raised.is_empty() {
             let digits = raised.replace('²', "2").replace('³', "3");
-            return Ok(digits.parse().unwrap_or(i64::MAX));
+            return Ok(exponent(&digits, 1));
         }
         let stars = matches!(
             (self.symbols.get(self.at), self.symbols.get(self.at + 1)),
@@ -223,22 +227,35 @@ impl Reader {
         } else if matches!(self.peek(), Some((_, '^'))) {
             self.at += 1;
         } else {
-            return Ok(1);
+            return Ok(Some(Exponent::one()));
         }
+        let bracket = matches!(self.peek(), Some((_, '(')));
+        self.at += usize::from(bracket);
         let mut sign = 1;
         if let Some((_, c @ ('-' | '+'))) = self.peek() {
             self.at += 1;
             sign = if c == '-' { -1 } else { 1 };
         }
         let digits = self.take_while(|c| c.is_ascii_digit());
-        if !digits.is_empty() {
-            // Powers too long for the type are too large in any case.
-            return Ok(sign * digits.parse().unwrap_or(i64::MAX));
+        let mut power = exponent(&digits, sign);
+        if !digits.is_empty() && !bracket {
+            return Ok(power);
+        }
+        if !digits.is_empty() && matches!(self.peek(), Some((_, '/'))) {
+            self.at += 1;
+            self.skip_blanks();
+            let below = self.take_while(|c| c.is_ascii_digit());
+            let below = exponent(&below, 1).filter(|below| below.is_positive());
+            power = power.zip(below).map(|(power, below)| power / below);
+        }
+        if !digits.is_empty() && matches!(self.peek(), Some((_, ')'))) {
+            self.at += 1;
+            return Ok(power);
         }
         Err(wrong(
             self.offset(self.at)..self.offset(self.at + 1),
             "expected an integer",
-            "write the power as an integer: m^2, s^-1",
+            "write the power as an integer or a fraction: m^2, s^-1, m^(1/2)",
         ))
     }
 
@@ -247,6 +264,12 @@ impl Reader {
         let symbol = self.symbols.get(at);
         symbol.map_or(self.length, |(start, _)| *start)
     }
+}
+
+/// A whole power; `None` where it is out of all proportion.
+fn exponent(digits: &str, sign: i64) -> Option<Exponent> {
+    let number: i64 = digits.parse().ok()?;
+    (number <= LARGEST_POWER).then(|| Exponent::from_integer(sign * number))
 }
 
 fn factor_in_unit(start: usize) -> Problem {
@@ -288,6 +311,9 @@ mod tests {
             "1/s",
             " N * m / rad ",
             "(N*m)^2",
+            "m^(1/2)",
+            "N/m^( -3 / 2 )",
+            "m^(2)*s",
         ] {
             assert!(factors(unit).is_ok(), "{unit}");
         }
@@ -310,6 +336,11 @@ mod tests {
             ("m^1001", 1..6),
             ("m^99999999999999999999", 1..22),
             ("(m^100)^11", 7..10),
+            ("m^(1/0)", 1..7),
+            ("m^(1/65)", 1..8),
+            ("m^(1/", 5..5),
+            ("m^(1 2)", 5..6),
+            ("m^(/2)", 3..4),
         ] {
             assert_eq!(factors(unit).unwrap_err().range, place, "{unit}");
         }

@@ -38,7 +38,7 @@ use crate::units::Unit;
 use messages::{Demand, Term, Verdict};
 use num_rational::Ratio;
 use num_traits::One;
-use parts::{Parts, integer, terms};
+use parts::{Parts, terms};
 use value::Value;
 use veribound_interval::Decimal;
 
@@ -231,7 +231,7 @@ impl<'f> Checker<'f> {
             }
             Kind::Power(base, exponent) => {
                 let base = self.value(base);
-                integer(exponent).map_or(Value::Free, |n| base.power(Ratio::from_integer(n)))
+                parts::exponent(exponent).map_or(Value::Free, |power| base.power(power))
             }
             Kind::Call(function, arguments) => self.call(*function, arguments, ast),
             Kind::Compare(_, a, b) => {
@@ -266,6 +266,11 @@ impl<'f> Checker<'f> {
                 Value::of(Unit::plain())
             }
             (Function::Plain(Unary::Sqrt), [a]) => self.value(a).power(Ratio::new(1, 2)),
+            (Function::Plain(Unary::Cbrt), [a]) => self.value(a).power(Ratio::new(1, 3)),
+            (Function::Atan2, [y, x]) => {
+                self.alike(&[y, x]);
+                Value::of(Unit::plain())
+            }
             (Function::Plain(Unary::Sin | Unary::Cos | Unary::Tan), [a]) => {
                 self.plain_argument(a, ast, "an angle in rad or a plain number");
                 Value::of(Unit::plain())

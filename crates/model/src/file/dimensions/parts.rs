@@ -2,8 +2,8 @@
 
 use crate::graph::Unary;
 use crate::syntax::ast::{Arithmetic, Ast, Function, Kind};
-use num_rational::BigRational;
-use num_traits::ToPrimitive;
+use num_rational::Ratio;
+use num_traits::{CheckedDiv, CheckedMul, One, ToPrimitive};
 
 /// A choice between values, or a function that gives one of its arguments or less of it.
 pub(super) struct Parts<'e> {
@@ -18,9 +18,15 @@ impl<'e> Parts<'e> {
         let (beside, results) = match kind {
             Kind::If(condition, a, b) => (vec![&**condition], vec![&**a, &**b]),
             Kind::Call(function, arguments) => match (function, arguments.as_slice()) {
-                (Function::Plain(Unary::Abs), all)
-                | (
-                    Function::Min | Function::Max | Function::Saturation | Function::DeadZone,
+                (
+                    Function::Plain(Unary::Abs | Unary::Floor)
+                    | Function::Ceil
+                    | Function::Round
+                    | Function::Trunc
+                    | Function::Min
+                    | Function::Max
+                    | Function::Saturation
+                    | Function::DeadZone,
                     all,
                 ) => (Vec::new(), all.iter().collect()),
                 (Function::Friction, [velocity, levels @ ..]) => {
@@ -55,14 +61,18 @@ pub(super) fn terms(ast: &Ast) -> Vec<&Ast> {
     }
 }
 
-/// The value of an exponent that is written as a number.
-pub(super) fn integer(ast: &Ast) -> Option<i64> {
+/// The value of an exponent that is written as a number or a fraction.
+pub(super) fn exponent(ast: &Ast) -> Option<Ratio<i64>> {
     match &ast.kind {
-        Kind::Number(number) => Some(number.to_rational())
-            .filter(BigRational::is_integer)?
-            .to_integer()
-            .to_i64(),
-        Kind::Negate(a) => integer(a)?.checked_neg(),
+        Kind::Number(number) => {
+            let number = number.to_rational();
+            Some(Ratio::new(
+                number.numer().to_i64()?,
+                number.denom().to_i64()?,
+            ))
+        }
+        Kind::Negate(a) => exponent(a)?.checked_mul(&-Ratio::one()),
+        Kind::Arithmetic(Arithmetic::Divide, a, b) => exponent(a)?.checked_div(&exponent(b)?),
         _ => None,
     }
 }

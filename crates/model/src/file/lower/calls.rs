@@ -1,7 +1,7 @@
 //! Calls of functions, and what tables, saturation and dead zones stand for.
 
 use super::{Lowering, Switch, undefined};
-use crate::graph::{ExprId, Unary};
+use crate::graph::{Binary, ExprId, Unary};
 use crate::syntax::Problem;
 use crate::syntax::ast::{Ast, Function};
 use num_rational::BigRational;
@@ -52,6 +52,23 @@ impl Lowering<'_> {
                 );
                 Some(self.graph.div(above, below))
             }
+            (Function::Ceil, [a]) => Some(self.ceil(*a)),
+            (Function::Round, [a]) => Some(self.round(*a)),
+            (Function::Trunc, [a]) => {
+                let zero = self.graph.integer(0);
+                let (below, above) = (self.graph.unary(Unary::Floor, *a), self.ceil(*a));
+                let (positive, negative) =
+                    (self.graph.max(below, zero), self.graph.min(above, zero));
+                Some(self.graph.add(positive, negative))
+            }
+            (Function::Atan2, [y, x]) => {
+                let is_zero = |e| self.graph.as_constant(e).is_some_and(Zero::is_zero);
+                if is_zero(*y) && is_zero(*x) {
+                    problems.push(undefined("the angle of the origin", ast, "undefined"));
+                    return None;
+                }
+                Some(self.graph.binary(Binary::Atan2, *y, *x))
+            }
             (Function::Saturation | Function::DeadZone, [x, limits @ ..]) => {
                 let (lower, upper) = match limits {
                     [limit] => (self.graph.neg(*limit), *limit),
@@ -97,6 +114,24 @@ impl Lowering<'_> {
             // A wrong number of arguments was reported by the parser.
             _ => None,
         }
+    }
+
+    fn ceil(&mut self, a: ExprId) -> ExprId {
+        let minus = self.graph.neg(a);
+        let floor = self.graph.unary(Unary::Floor, minus);
+        self.graph.neg(floor)
+    }
+
+    /// The nearest integer: halves of numbers go away from zero, as in C and MATLAB; for all else a half is
+    /// a jump, where the set of both neighbours leaves nothing to be chosen.
+    fn round(&mut self, a: ExprId) -> ExprId {
+        if let Some(number) = self.graph.as_constant(a) {
+            let nearest = number.round();
+            return self.graph.constant(nearest);
+        }
+        let half = self.graph.constant(BigRational::new(1.into(), 2.into()));
+        let above = self.graph.add(a, half);
+        self.graph.unary(Unary::Floor, above)
     }
 
     fn are_reversed(&self, lower: ExprId, upper: ExprId) -> bool {

@@ -1,0 +1,107 @@
+//! Functions of two arguments by functions of one.
+
+use super::{Binary, ExprId, Graph, Node, Unary};
+use std::collections::HashMap;
+
+#[allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: `reachable` lists operands before what uses them"
+)]
+impl Graph {
+    /// `e` without `atan2` and real powers, for evaluators that know functions of one argument only.
+    ///
+    /// Guarantee: equal to `e` wherever it is defined: not at the origin nor on the cut of an `atan2`, nor where
+    /// the base of a real power is zero.
+    pub fn elementary(&mut self, e: ExprId) -> ExprId {
+        let mut done: HashMap<ExprId, ExprId> = HashMap::new();
+        for old in self.reachable(&[e]) {
+            let new = match *self.node(old) {
+                Node::Constant(_) | Node::Pi | Node::Var(_) => old,
+                Node::Unary(function, a) => {
+                    let a = done[&a];
+                    self.unary(function, a)
+                }
+                Node::Power(a, n) => {
+                    let a = done[&a];
+                    self.powi(a, n)
+                }
+                Node::Binary(Binary::Pow, a, b) => {
+                    // a^b = exp(b log(a))
+                    let (a, b) = (done[&a], done[&b]);
+                    let log = self.unary(Unary::Ln, a);
+                    let product = self.mul(b, log);
+                    self.unary(Unary::Exp, product)
+                }
+                Node::Binary(Binary::Atan2, y, x) => {
+                    // Half the angle is seen from the other end of the circle's diameter.
+                    let (y, x) = (done[&y], done[&x]);
+                    let squares = (self.powi(x, 2), self.powi(y, 2));
+                    let sum = self.add(squares.0, squares.1);
+                    let radius = self.unary(Unary::Sqrt, sum);
+                    let beside = self.add(radius, x);
+                    let slope = self.div(y, beside);
+                    let half = self.unary(Unary::Atan, slope);
+                    let two = self.integer(2);
+                    self.mul(two, half)
+                }
+                Node::Binary(function, a, b) => {
+                    let (a, b) = (done[&a], done[&b]);
+                    self.binary(function, a, b)
+                }
+            };
+            done.insert(old, new);
+        }
+        done[&e]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::graph::Var;
+    use veribound_interval::Interval;
+
+    #[test]
+    fn the_values_are_the_same() {
+        let mut graph = Graph::default();
+        let (x, y) = (graph.var(Var::State(0)), graph.var(Var::State(1)));
+        let angle = graph.binary(Binary::Atan2, y, x);
+        let exponent = graph.integer(3);
+        let exponent = graph.div(exponent, x);
+        let square = graph.powi(x, 2);
+        let power = graph.binary(Binary::Pow, square, exponent);
+        let e = graph.mul(angle, power);
+        let other = graph.elementary(e);
+        assert!(
+            graph
+                .reachable(&[other])
+                .into_iter()
+                .all(|e| !matches!(graph.node(e), Node::Binary(Binary::Atan2 | Binary::Pow, ..)))
+        );
+        for (x, y) in [
+            (1.0, 2.0),
+            (-1.0, 2.0),
+            (-1.5, -0.3),
+            (2.0, -0.5),
+            (3.0, 0.0),
+        ] {
+            let at = |e| {
+                graph.eval_interval(e, &|var| match var {
+                    Var::State(0) => Interval::point(x),
+                    _ => Interval::point(y),
+                })
+            };
+            let (one, two) = (at(e), at(other));
+            assert!(
+                !one.is_disjoint_from(two) && two.width() < 1e-12,
+                "{one} {two}"
+            );
+        }
+        // On the cut it has no value.
+        let cut = graph.eval_interval(other, &|var| match var {
+            Var::State(0) => Interval::point(-1.0),
+            _ => Interval::ZERO,
+        });
+        assert!(cut.is_empty() || !cut.is_point(), "{cut}");
+    }
+}
