@@ -102,12 +102,21 @@ impl Model {
         section(out, "inputs (held from sample to sample)", inputs.collect());
         let disturbances = self.disturbances().map(|(input, bounds)| {
             let bounds = format!("in {}", spell(bounds));
-            vec![input.name.clone(), input.unit.clone(), bounds]
+            let held = if input.is_held {
+                "constant from each sample to the next"
+            } else {
+                "any function of time"
+            };
+            vec![
+                input.name.clone(),
+                input.unit.clone(),
+                bounds,
+                held.to_string(),
+            ]
         });
         let disturbances: Vec<Vec<String>> = disturbances.collect();
         if !disturbances.is_empty() {
-            let title = "disturbances (any function of time in these bounds)";
-            section(out, title, disturbances);
+            section(out, "disturbances", disturbances);
         }
         let params = self.params.iter().map(|param| {
             let nominal = param.nominal.as_ref();

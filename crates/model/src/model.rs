@@ -89,6 +89,8 @@ pub struct Input {
     /// Of a disturbance, which no column records: it may be any measurable function of time with
     /// values in here.
     pub within: Option<Interval>,
+    /// Of a disturbance: it is constant from each sample to the next.
+    pub is_held: bool,
 }
 
 /// An unknown parameter.

@@ -92,6 +92,13 @@ macro_rules! entries {
             self
         }
     };
+    (constant_between_samples) => {
+        /// From each sample to the next the value is constant.
+        pub fn constant_between_samples(&mut self) -> &mut Self {
+            self.0.set("hold", Value::Text("sample".to_string()));
+            self
+        }
+    };
     (error) => {
         /// The largest error of a recorded value, in the unit of the quantity.
         pub fn error(&mut self, absolute: impl Into<Number>) -> &mut Self {
@@ -141,8 +148,10 @@ entries! {
     /// # let mut model = veribound_model::build::ModelBuilder::new("kite");
     /// let wind = model.disturbance("wind", -2, 2).unit("m/s").symbol();
     /// assert!(model.to_toml().contains(r#"wind = { bounds = [-2, 2], unit = "m/s" }"#));
+    /// let step = model.disturbance("step", 0, 1).constant_between_samples().symbol();
+    /// assert!(model.to_toml().contains(r#"step = { bounds = [0, 1], hold = "sample" }"#));
     /// ```
-    DisturbanceEntry: symbol, unit;
+    DisturbanceEntry: symbol, unit, constant_between_samples;
 
     /// A parameter; returned by [`ModelBuilder::param`](super::ModelBuilder::param) and
     /// [`ModelBuilder::fixed`](super::ModelBuilder::fixed).

@@ -28,10 +28,12 @@ pub(crate) fn disturbances(
         scope.declare(reader, entry.key, entry.place.clone(), meaning);
         let what = format!("the range of `{}`", entry.key);
         let mut own_unit = String::new();
+        let mut is_held = false;
         let bounds = if matches!(entry.value.value, DeValue::Table(_)) {
             let table = reader.table(entry.value, entry.place.clone(), help);
             table.and_then(|table| {
-                reader.allow(&table, &["unit", "bounds"], "a disturbance");
+                reader.allow(&table, &["unit", "bounds", "hold"], "a disturbance");
+                is_held = is_constant_between_samples(reader, &table);
                 own_unit = unit(reader, &table);
                 let bounds = table.value("bounds");
                 if bounds.is_none() {
@@ -59,6 +61,24 @@ pub(crate) fn disturbances(
             },
             domain: Some(bounds),
             within: Some(bounds),
+            is_held,
         });
     }
+}
+
+/// Whether the disturbance says `hold = "sample"`.
+fn is_constant_between_samples(reader: &mut Reader, table: &Table) -> bool {
+    let help = "write hold = \"sample\" for a value that is constant from each sample to the next, \
+                or leave it out for any function of time";
+    let Some(value) = table.value("hold") else {
+        return false;
+    };
+    let Some(text) = reader.string(value, help) else {
+        return false;
+    };
+    if text.value != "sample" {
+        let message = format!("there is no hold `{}`", text.value);
+        reader.report("E0107", message, text.range, "unknown", help);
+    }
+    true
 }

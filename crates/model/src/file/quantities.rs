@@ -292,6 +292,7 @@ pub(crate) fn inputs(reader: &mut Reader, file: &Table, scope: &mut Scope) -> Ve
                 error: exact(),
                 domain: None,
                 within: None,
+                is_held: false,
             });
         }
         return inputs;
@@ -315,6 +316,7 @@ pub(crate) fn inputs(reader: &mut Reader, file: &Table, scope: &mut Scope) -> Ve
             error: exact(),
             domain: None,
             within: None,
+            is_held: false,
         };
         if let Some(table) = reader.table(entry.value, entry.place.clone(), help) {
             reader.allow(
