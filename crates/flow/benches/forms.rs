@@ -192,6 +192,8 @@ fn main() {
             Some(("degree", x)) => options.degree = Some(number(x) as usize),
             Some(("tolerance", x)) => options.tolerance = number(x),
             Some(("share", x)) => options.share = number(x),
+            Some(("fresh", x)) => options.fresh = Some(number(x) as usize),
+            Some(("absorb", x)) => options.absorb = number(x),
             Some(("steepest", x)) => options.steepest = number(x),
             _ if argument.starts_with("--") => {}
             _ => chosen.push(argument),

@@ -40,6 +40,11 @@ impl Frame {
             .all(|r| r.is_bounded() && !r.is_empty())
     }
 
+    /// The matrix, row by row, and the box of its coordinates.
+    pub(super) fn coordinates(&self) -> (&[f64], &[Interval]) {
+        (&self.axes, &self.reach)
+    }
+
     /// A box around it.
     pub(super) fn hull(&self) -> Vec<Interval> {
         (0..self.n)
@@ -132,9 +137,13 @@ impl Moved {
             part.iter().zip(more).map(|(a, b)| *a + *b).collect()
         };
         let (rest, around) = (widened(&self.rest), widened(&self.around));
-        let middles: Vec<f64> = self.image.iter().map(|x| x.mid()).collect();
-        let radii: Vec<f64> = self.centred.iter().map(|r| r.rad()).collect();
-        let axes = orthogonal(n, &middles, &radii);
+        let edges: Vec<Vec<f64>> = (0..n)
+            .map(|c| {
+                let radius = self.centred[c].rad();
+                (0..n).map(|i| self.image[i * n + c].mid() * radius).collect()
+            })
+            .collect();
+        let axes = orthogonal(n, edges);
         let Some(skew) = skewness(n, &axes) else {
             return Frame::upright(around);
         };
@@ -167,7 +176,7 @@ impl Moved {
 }
 
 /// An upper bound of `d / (1 - d)` with `d` the maximum norm of `Q'Q - I`; `None` unless `d < 1/2`.
-fn skewness(n: usize, q: &[f64]) -> Option<f64> {
+pub(super) fn skewness(n: usize, q: &[f64]) -> Option<f64> {
     let mut norm: f64 = 0.0;
     for a in 0..n {
         let mut row = 0.0;
@@ -186,16 +195,13 @@ fn skewness(n: usize, q: &[f64]) -> Option<f64> {
     (norm < 0.5).then(|| raised(norm / (1.0 - norm), 4))
 }
 
-/// A nearly orthogonal matrix whose first columns point along the longest edges `radii[c] * a[.., c]`.
-fn orthogonal(n: usize, a: &[f64], radii: &[f64]) -> Vec<f64> {
-    let column = |c: usize| -> Vec<f64> { (0..n).map(|i| a[i * n + c]).collect() };
+/// A nearly orthogonal matrix whose first columns point along the longest of `edges`.
+pub(super) fn orthogonal(n: usize, mut edges: Vec<Vec<f64>>) -> Vec<f64> {
     let norm = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let mut order: Vec<usize> = (0..n).collect();
-    let lengths: Vec<f64> = (0..n).map(|c| norm(&column(c)) * radii[c]).collect();
-    order.sort_by(|x, y| lengths[*y].total_cmp(&lengths[*x]));
+    edges.sort_by(|x, y| norm(y).total_cmp(&norm(x)));
     let mut basis: Vec<Vec<f64>> = Vec::with_capacity(n);
     let units = (0..n).map(|i| (0..n).map(|l| if i == l { 1.0 } else { 0.0 }).collect());
-    let candidates = order.into_iter().map(column).chain(units);
+    let candidates = edges.into_iter().chain(units);
     for candidate in candidates {
         if basis.len() == n {
             break;

@@ -42,6 +42,7 @@
 //! Müller's theorem for linear systems. Bounding the defect of a point polynomial instead of enclosing
 //! every Taylor coefficient is own.
 
+mod absorb;
 mod code;
 mod compare;
 mod compose;

@@ -8,12 +8,14 @@ use std::collections::HashMap;
 
 use super::outward::{UNIT, raised};
 
-/// All monomials in `variables` variables of total degree up to `degree`, by degree; first the constant,
-/// then the variables in their order.
+/// All monomials up to a total degree, by degree, where each variable counts with its own weight; first
+/// the constant, then the variables of weight one in their order.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Monomials {
     pub(super) variables: usize,
     pub(super) degree: usize,
+    /// Where each variable stands.
+    linear: Vec<usize>,
     /// `exponents[a * variables + v]` is the exponent of variable `v` in monomial `a`.
     exponents: Vec<u8>,
     /// `starts[m]..starts[m + 1]` are the monomials of degree `m`.
@@ -28,18 +30,25 @@ pub(super) struct Monomials {
 }
 
 impl Monomials {
-    pub(super) fn new(variables: usize, degree: usize) -> Monomials {
+    /// In as many variables as there are `weights`, none of them zero or above `degree`.
+    pub(super) fn new(weights: &[usize], degree: usize) -> Monomials {
+        let variables = weights.len();
         let degree = if variables == 0 { 0 } else { degree };
         let mut list: Vec<Vec<u8>> = vec![vec![0; variables]];
+        let mut linear = vec![0; variables];
         let mut starts = vec![0, 1];
         for m in 1..=degree {
-            // Each of the degree before, times a variable not before its last one.
-            for a in starts[m - 1]..starts[m] {
-                let last = (0..variables).rev().find(|v| list[a][*v] > 0).unwrap_or(0);
-                for v in last..variables {
-                    let mut next = list[a].clone();
-                    next[v] += 1;
-                    list.push(next);
+            for (v, weight) in weights.iter().enumerate().filter(|(_, weight)| **weight <= m) {
+                // Those of the right degree without a later variable, times this one.
+                for a in starts[m - weight]..starts[m - weight + 1] {
+                    if list[a][v + 1..].iter().all(|e| *e == 0) {
+                        let mut next = list[a].clone();
+                        next[v] += 1;
+                        if a == 0 {
+                            linear[v] = list.len();
+                        }
+                        list.push(next);
+                    }
                 }
             }
             starts.push(list.len());
@@ -72,6 +81,7 @@ impl Monomials {
         Monomials {
             variables,
             degree,
+            linear,
             exponents: list.concat(),
             starts,
             most_pairs: products.iter().map(Vec::len).max().unwrap_or(1),
@@ -94,6 +104,11 @@ impl Monomials {
     #[inline(always)]
     pub(super) fn factors(&self, c: usize) -> &[(u32, u32)] {
         &self.pairs[self.ranges[c]..self.ranges[c + 1]]
+    }
+
+    /// The monomial that is variable `v` alone.
+    pub(super) fn linear(&self, v: usize) -> usize {
+        self.linear[v]
     }
 
     /// Monomial `a` over variable `v`, which it must contain.
@@ -164,9 +179,17 @@ mod tests {
 
     #[test]
     fn counts_and_products() {
-        for (variables, degree, count) in [(0, 3, 1), (1, 4, 5), (2, 4, 15), (7, 2, 36), (3, 0, 1)]
-        {
-            let table = Monomials::new(variables, degree);
+        let cases = [
+            (vec![], 3, 1),
+            (vec![1; 1], 4, 5),
+            (vec![1; 2], 4, 15),
+            (vec![1; 7], 2, 36),
+            (vec![1; 3], 1, 4),
+            // 1, x, y, x², xy, y², z, x³, .., y³, xz, yz
+            (vec![1, 1, 2], 3, 13),
+        ];
+        for (weights, degree, count) in cases {
+            let (table, variables) = (Monomials::new(&weights, degree), weights.len());
             assert_eq!(table.len(), count);
             let mut seen = 0;
             for c in 0..count {
@@ -178,10 +201,12 @@ mod tests {
                     }
                 }
             }
-            // Pairs of monomials of total degree up to q are monomials in twice the variables.
-            assert_eq!(seen, Monomials::new(2 * variables, degree).len());
-            for v in 0..variables.min(table.len() - 1) {
-                assert_eq!(table.exponents(1 + v)[v], 1, "variables come first");
+            // Pairs of monomials are monomials in twice the variables.
+            let twice = [&weights[..], &weights].concat();
+            assert_eq!(seen, Monomials::new(&twice, degree).len());
+            for (v, weight) in weights.iter().enumerate() {
+                assert_eq!(table.exponents(table.linear(v))[v], 1);
+                assert!(*weight > 1 || table.linear(v) == 1 + v, "variables come first");
             }
         }
     }

@@ -72,8 +72,9 @@ impl Part {
                 if *is_fixed || monomials.degree == 0 {
                     continue;
                 }
-                let slope = polynomial[1 + v];
-                let rest: f64 = (monomials.variables + 1..monomials.len())
+                let slope = polynomial[monomials.linear(v)];
+                let rest: f64 = (1..monomials.len())
+                    .filter(|a| *a != monomials.linear(v))
                     .map(|a| f64::from(monomials.exponents(a)[v]) * polynomial[a].abs())
                     .sum();
                 let rest = raised(rest, 2 * monomials.len());
@@ -105,8 +106,10 @@ impl Part {
 
     /// The variable in the largest terms that are not linear.
     fn worst(&self, monomials: &Monomials) -> Option<usize> {
+        let is_linear = |a: usize| monomials.exponents(a).iter().sum::<u8>() == 1;
         let weight = |v: usize| -> f64 {
-            (1 + monomials.variables..monomials.len())
+            (1..monomials.len())
+                .filter(|a| !is_linear(*a))
                 .map(|a| f64::from(monomials.exponents(a)[v]) * self.polynomial[a].abs())
                 .sum()
         };
@@ -174,7 +177,7 @@ mod tests {
             seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
             (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         };
-        let monomials = Monomials::new(2, 4);
+        let monomials = Monomials::new(&[1, 1], 4);
         for round in 0..60 {
             let flat = f64::powi(0.5, round % 6);
             let polynomial: Vec<f64> = (0..monomials.len())

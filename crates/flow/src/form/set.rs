@@ -19,10 +19,14 @@ pub struct FormOptions {
     pub order: usize,
     /// Degree of the polynomials in the unknowns; `None` chooses by their number.
     pub degree: Option<usize>,
+    /// How many degrees a fresh unknown counts: one less than the degree unless said otherwise.
+    pub fresh: Option<usize>,
     /// What one step may neglect in time, relative to the size of a state.
     pub tolerance: f64,
     /// What one step may neglect in time, relative to the width of the set.
     pub share: f64,
+    /// What dependence could not keep becomes fresh unknowns when it is this share of those before.
+    pub absorb: f64,
     /// Longest step, times the norm of `∂f/∂x`.
     pub steepest: f64,
 }
@@ -32,6 +36,8 @@ impl Default for FormOptions {
         FormOptions {
             order: 20,
             degree: None,
+            fresh: None,
+            absorb: 0.5,
             tolerance: 1e-17,
             share: 1e-7,
             steepest: 0.7,
@@ -131,10 +137,11 @@ fn usual_degree(unknowns: usize) -> usize {
     match unknowns {
         0 => 0,
         1 => 8,
-        2 => 6,
+        2 => 8,
         3 => 4,
         4..=5 => 3,
-        6..=10 => 2,
+        6..=8 => 3,
+        9..=12 => 2,
         _ => 1,
     }
 }
@@ -167,7 +174,13 @@ impl Form {
         let degree = options
             .degree
             .unwrap_or_else(|| usual_degree(unknowns.len()));
-        let monomials = Monomials::new(unknowns.len(), degree.max(1));
+        let degree = degree.max(1);
+        let mut weights = vec![1; unknowns.len()];
+        if degree > 1 && !unknowns.is_empty() {
+            let weight = options.fresh.unwrap_or(degree - 1).clamp(1, degree);
+            weights.extend(states.iter().map(|_| weight));
+        }
+        let monomials = Monomials::new(&weights, degree);
         let polynomial = |unknown: Unknown, x: Interval| -> (Vec<f64>, Interval) {
             let mut polynomial = vec![0.0; monomials.len()];
             polynomial[0] = x.mid();

@@ -152,7 +152,7 @@ mod tests {
     /// no more than said, at random points, in exact integers.
     #[test]
     fn a_product_loses_no_more_than_said() {
-        let monomials = Monomials::new(1, 2);
+        let monomials = Monomials::new(&[1], 2);
         let (stride, top) = (4, 3);
         let mut seed = 9_u64;
         let mut draw = || {

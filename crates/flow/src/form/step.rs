@@ -165,6 +165,7 @@ impl Flow {
         }
         form.states = next;
         form.transport(&map.matrix, &lows, &more);
+        form.absorb();
         for (scale, polynomial) in form.scale.iter_mut().zip(&form.states) {
             *scale = (0.9 * *scale).max(polynomial[0].abs());
         }

@@ -1,0 +1,122 @@
+//! What dependence could not keep becomes unknowns of its own.
+//!
+//! `E` moves by one matrix, and how `∂f/∂x` varies over the set only widens it, step after step. As
+//! *fresh unknowns* `η` of the polynomials it takes part in products with the others, so that it is moved
+//! by the matrix that belongs to each `δ`. When the new `E` has grown to a share of the fresh unknowns,
+//! both together become the next ones. Fresh unknowns count several degrees, so that there are few
+//! products with them.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: one polynomial per state, one coefficient per monomial, matrices `n * n`"
+)]
+
+use super::frame::{Frame, orthogonal, skewness};
+use super::outward::{UNIT, raised};
+use super::set::Form;
+use veribound_interval::Interval;
+
+/// Below this share of the set, what dependence could not keep is not worth the work.
+const SMALL: f64 = 1e-9;
+
+impl Form {
+    /// Makes fresh unknowns where that is worth it.
+    pub(super) fn absorb(&mut self) {
+        let (n, kept) = (self.states.len(), self.unknowns.len());
+        if self.monomials.variables == kept {
+            return;
+        }
+        let rest = self.frame.hull();
+        let mut share: f64 = 0.0;
+        for (polynomial, rest) in self.states.iter().zip(&rest) {
+            let (mut own, mut fresh) = (0.0, 0.0);
+            for (a, x) in polynomial.iter().enumerate().skip(1) {
+                if self.is_fresh(a) {
+                    fresh += x.abs();
+                } else {
+                    own += x.abs();
+                }
+            }
+            let before = fresh + SMALL * (own + 1e-3 * polynomial[0].abs()) + 1e-250;
+            share = share.max(rest.mag() / before);
+        }
+        if share > self.options.absorb {
+            self.renew(n, kept);
+        }
+    }
+
+    /// True if a fresh unknown is in monomial `a`.
+    fn is_fresh(&self, a: usize) -> bool {
+        let exponents = self.monomials.exponents(a);
+        exponents[self.unknowns.len()..].iter().any(|e| *e > 0)
+    }
+
+    /// Encloses the part of the fresh unknowns `L η + ..` and `E` in `Q r`, and calls `r` fresh unknowns.
+    ///
+    /// Proof. Any `z` of both is `L η + c + e` with `c` in the box of the products with `η`. With any
+    /// `Q`, `y = Q' z` lies in the box computed, and `z = Q r` with `r` as near to `y` as the proof in
+    /// `frame.rs` says. With the middle `m` and radius `ρ` of the box of `r`, `z = Q m + Q diag(ρ) η'` for
+    /// some `η'` in the unit box; the products `Q diag(ρ)` are rounded, and that and `Q m` are the new `E`.
+    fn renew(&mut self, n: usize, kept: usize) {
+        let mut linear = vec![0.0; n * n];
+        let mut products = vec![0.0; n];
+        let fresh: Vec<usize> = (0..self.monomials.len())
+            .filter(|a| self.is_fresh(*a))
+            .collect();
+        for (i, polynomial) in self.states.iter().enumerate() {
+            for v in 0..n {
+                linear[i * n + v] = polynomial[self.monomials.linear(kept + v)];
+            }
+            let all = fresh.iter().map(|a| polynomial[*a].abs()).sum();
+            let alone: f64 = linear[i * n..(i + 1) * n].iter().map(|x| x.abs()).sum();
+            // Rounding of a difference of sums: the whole may be off by its own bound.
+            let difference = (raised(all, fresh.len()) - alone).max(0.0);
+            products[i] = raised(difference + 2.0 * UNIT * all * fresh.len() as f64, 4);
+        }
+        let (axes, reach) = self.frame.coordinates();
+        let column = |matrix: &[f64], c: usize, scale: f64| -> Vec<f64> {
+            (0..n).map(|i| matrix[i * n + c] * scale).collect()
+        };
+        let edges = (0..n)
+            .map(|c| column(&linear, c, 1.0))
+            .chain((0..n).map(|c| column(axes, c, reach[c].rad())))
+            .collect();
+        let q = orthogonal(n, edges);
+        let Some(skew) = skewness(n, &q) else { return };
+        let unit = Interval::symmetric(1.0);
+        let y: Vec<Interval> = (0..n)
+            .map(|c| {
+                let along = |matrix: &[f64], l: usize| {
+                    (0..n).fold(Interval::ZERO, |sum, i| {
+                        sum + Interval::point(q[i * n + c]) * Interval::point(matrix[i * n + l])
+                    })
+                };
+                let mut sum = Interval::ZERO;
+                for l in 0..n {
+                    sum += along(&linear, l) * unit + along(axes, l) * reach[l];
+                    sum += Interval::point(q[l * n + c]) * Interval::symmetric(products[l]);
+                }
+                sum
+            })
+            .collect();
+        let largest = y.iter().map(|x| x.mag()).fold(0.0, f64::max);
+        let wider = raised(skew * largest, 2);
+        let (middles, radii): (Vec<f64>, Vec<f64>) =
+            y.iter().map(|x| x.inflate(wider).mid_rad()).unzip();
+        let mut rest = Vec::with_capacity(n);
+        for (i, polynomial) in self.states.iter_mut().enumerate() {
+            for a in &fresh {
+                polynomial[*a] = 0.0;
+            }
+            let mut own = Interval::ZERO;
+            for v in 0..n {
+                let (axis, radius) = (q[i * n + v], radii[v]);
+                let edge = axis * radius;
+                polynomial[self.monomials.linear(kept + v)] = edge;
+                own += Interval::point(axis) * Interval::point(middles[v]);
+                own += Interval::symmetric(raised(UNIT * edge.abs(), 1));
+            }
+            rest.push(own);
+        }
+        self.frame = Frame::upright(rest);
+    }
+}
