@@ -11,7 +11,7 @@
 
 use std::time::Instant;
 
-use veribound_flow::form::{Flow, Form, FormOptions};
+use veribound_flow::form::{Diverged, Effort, Enclosure, Flow, FormOptions, Stretch};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::Model;
 
@@ -169,26 +169,41 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-fn run(case: &Case, flow: &Flow, options: FormOptions) -> Result<(Form, Vec<Interval>), String> {
+fn run(
+    case: &Case,
+    flow: &Flow,
+    options: FormOptions,
+    effort: Effort,
+) -> Result<Enclosure, Diverged> {
     let start: Vec<Interval> = case.start.iter().map(|x| between(*x)).collect();
     let params: Vec<Interval> = case.params.iter().map(|x| between(*x)).collect();
-    let mut form = flow.start(&start, &params, options);
-    for (dt, inputs) in &case.stretches {
-        let inputs: Vec<Interval> = inputs.iter().map(|x| decimal(x)).collect();
-        flow.advance(&mut form, &inputs, decimal(dt))
-            .map_err(|diverged| format!("{diverged:?}"))?;
-    }
-    let hull = form.hull();
-    Ok((form, hull))
+    let stretches = case.stretches.iter().map(|(dt, inputs)| Stretch {
+        inputs: inputs.iter().map(|x| decimal(x)).collect(),
+        dt: decimal(dt),
+    });
+    let stretches: Vec<Stretch> = stretches.collect();
+    flow.enclose(&start, &params, &stretches, options, effort)
+}
+
+/// Seconds this thread has been on a processor, where the system tells.
+fn processor_time() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    let nanoseconds: f64 = text.split(' ').next()?.parse().ok()?;
+    Some(nanoseconds * 1e-9)
 }
 
 fn main() {
     let mut options = FormOptions::default();
+    let mut effort = Effort::default();
     let mut chosen = Vec::new();
+    let mut runs = 5;
     let number = |text: &str| text.parse::<f64>().unwrap();
     for argument in std::env::args().skip(1) {
         match argument.split_once('=') {
-            Some(("order", x)) => options.order = number(x) as usize,
+            Some(("excess", x)) => effort.excess = number(x),
+            Some(("parts", x)) => effort.parts = number(x) as usize,
+            Some(("runs", x)) => runs = number(x) as u32,
+            Some(("order", x)) => options.order = Some(number(x) as usize),
             Some(("degree", x)) => options.degree = Some(number(x) as usize),
             Some(("tolerance", x)) => options.tolerance = number(x),
             Some(("share", x)) => options.share = number(x),
@@ -206,31 +221,38 @@ fn main() {
         let model = Model::from_text(case.name, case.model)
             .unwrap_or_else(|problems| panic!("{}", problems.render(false)));
         let flow = Flow::new(&model).unwrap();
-        let mut fastest = f64::INFINITY;
-        let mut last = None;
-        for _ in 0..5 {
-            let begin = Instant::now();
-            let result = run(&case, &flow, options);
-            fastest = fastest.min(begin.elapsed().as_secs_f64() * 1e3);
-            last = Some(result);
+        let begin = (Instant::now(), processor_time());
+        let mut count = 0;
+        let mut last = run(&case, &flow, options, effort);
+        // The clock of the processor ticks in milliseconds.
+        while count < runs || (runs > 1 && begin.0.elapsed().as_secs_f64() < 0.3) {
+            last = run(&case, &flow, options, effort);
+            count += 1;
         }
+        let spent = match (begin.1, processor_time()) {
+            (Some(from), Some(to)) => to - from,
+            _ => begin.0.elapsed().as_secs_f64(),
+        };
+        let milliseconds = spent * 1e3 / f64::from(count + 1);
         println!(
-            "{:18} {fastest:9.2} ms of {} ms",
+            "{:18} {milliseconds:9.2} ms of {} ms",
             case.name, case.milliseconds
         );
-        match last.unwrap() {
-            Ok((_, hull)) => {
+        match last {
+            Ok(enclosure) => {
+                let hull = enclosure.ends.last().unwrap();
                 for (state, inner, most) in &case.wanted {
                     let width = hull[*state].width();
                     let verdict = if width <= *most { "reached" } else { "" };
                     println!(
-                        "    {:3} {:24} width {width:12.6e}  inner {inner:9.4e}  wanted {most:9.4e} {verdict}",
+                        "    {:3} {:24} width {width:12.6e}  inner {inner:9.4e}  wanted {most:9.4e} {verdict} ({} parts)",
                         model.states[*state].name,
                         format!("{}", hull[*state]),
+                        enclosure.parts,
                     );
                 }
             }
-            Err(why) => println!("    {why}"),
+            Err(why) => println!("    {why:?}"),
         }
     }
 }

@@ -11,7 +11,9 @@ mod common;
 
 use common::smooth::{SMOOTH, Smooth, part, travel};
 use common::{Rng, interval, read};
-use veribound_flow::form::{Flow, Form, FormOptions, Obstacle, Output, OutputForm, Unknown};
+use veribound_flow::form::{
+    Effort, Flow, Form, FormOptions, Obstacle, Output, OutputForm, Stretch, Unknown,
+};
 use veribound_interval::{Decimal, Interval};
 
 /// Error of the integrator in `common::smooth`, for sizes around one.
@@ -27,7 +29,7 @@ fn has(x: Interval, value: f64, slack: f64) -> bool {
 
 fn random_options(rng: &mut Rng) -> FormOptions {
     FormOptions {
-        order: rng.pick(&[5, 8, 12, 20, 27]),
+        order: rng.pick(&[None, Some(4), Some(8), Some(12), Some(20), Some(27)]),
         degree: rng.pick(&[None, Some(1), Some(2), Some(3)]),
         share: rng.pick(&[1e-7, 1e-3]),
         steepest: rng.pick(&[0.3, 0.7, 2.0]),
@@ -499,4 +501,123 @@ fn uncertain_times() {
     let exact = interval(1.0_f64.exp(), 1.25_f64.exp());
     assert!(exact.is_subset_of(x.inflate(1e-13)) && x.width() < 1.5 * exact.width());
     assert!(interval(1.0, 1.25_f64.exp()).is_subset_of(tube.inflate(1e-13)));
+}
+
+/// Uncertainty that came from inputs is moved by the matrix of every parameter, not of the middle one.
+#[test]
+fn what_inputs_left_grows_at_every_rate() {
+    let text = "format = 1\nstates = [\"x\"]\ninputs = [\"u\"]\n[init]\nx = 0\n[params]\np = [1, 2]\n\
+                [der]\nx = \"p*x + u\"\n[outputs]\nm = \"x +- 1\"\n";
+    let flow = flow(text);
+    for degree in [1, 2, 3, 6] {
+        let options = FormOptions {
+            degree: Some(degree),
+            ..FormOptions::default()
+        };
+        let mut form = flow.start(&[Interval::ZERO], &[interval(1.0, 2.0)], options);
+        flow.advance(&mut form, &[interval(-1.0, 1.0)], Interval::point(0.5))
+            .unwrap();
+        flow.advance(&mut form, &[Interval::ZERO], Interval::ONE)
+            .unwrap();
+        let most = (2.0 * 0.5_f64).exp_m1() / 2.0 * 2.0_f64.exp();
+        let x = form.hull()[0];
+        assert!(
+            x.lo() <= -most && x.hi() >= most,
+            "{degree}: {x} for {most}"
+        );
+        assert!(
+            degree == 1 || x.hi() <= 1.5 * most,
+            "{degree}: {x} for {most}"
+        );
+    }
+}
+
+/// Few orders and long steps: what is neglected in time is of the size of the set.
+#[test]
+fn coarse_steps_lose_nothing() {
+    for (der, start, time, end) in [
+        ("x^2", 1.0, 0.5, 2.0),
+        ("-x^3", 1.0, 1.5, 0.5),
+        ("x*(2 - x)", 0.1, 2.0, 2.0 / (1.0 + 19.0 * (-4.0_f64).exp())),
+        ("exp(-x)", 0.0, 3.0, 4.0_f64.ln()),
+        ("cos(x)", 0.0, 2.0, 2.0_f64.sinh().atan()),
+        ("1/x", 1.0, 1.5, 2.0),
+        ("sqrt(x)", 1.0, 2.0, 4.0),
+    ] {
+        let flow = flow(&format!(
+            "format = 1\nstates = [\"x\"]\n[init]\nx = 0\n[der]\nx = \"{der}\"\n[outputs]\nm = \"x +- 1\"\n"
+        ));
+        for tolerance in [1e-2, 1e-3, 1e-5] {
+            let options = FormOptions {
+                order: Some(4),
+                tolerance,
+                steepest: 3.0,
+                ..FormOptions::default()
+            };
+            let mut form = flow.start(&[Interval::point(start)], &[], options);
+            if flow.advance(&mut form, &[], Interval::point(time)).is_ok() {
+                let x = form.hull()[0];
+                assert!(has(x, end, 1e-14), "{der} with {tolerance}: {end} in {x}");
+            } else {
+                assert!(tolerance > 1e-3, "{der} with {tolerance}");
+            }
+        }
+    }
+}
+
+/// Sets that are too wide for one form are divided, and the parts together lose nothing.
+#[test]
+fn wide_sets_are_divided() {
+    let model = &SMOOTH[5];
+    let flow = flow(model.text);
+    let start = [interval(1.25, 1.55), interval(2.35, 2.45)];
+    let stretches: Vec<Stretch> = (0..7)
+        .map(|_| Stretch {
+            inputs: Vec::new(),
+            dt: Interval::ONE,
+        })
+        .collect();
+    let degree = |degree: Option<usize>| FormOptions {
+        degree,
+        ..FormOptions::default()
+    };
+    let mut rng = Rng(3);
+    let effort = |parts: usize| Effort {
+        parts,
+        ..Effort::default()
+    };
+    assert!(
+        flow.enclose(&start, &[], &stretches, degree(Some(2)), effort(1))
+            .is_err()
+    );
+    let whole = flow
+        .enclose(&start, &[], &stretches, degree(None), effort(1))
+        .unwrap();
+    let divided = flow
+        .enclose(&start, &[], &stretches, degree(Some(3)), effort(64))
+        .unwrap();
+    assert!(whole.parts == 1 && divided.parts > 1, "{}", divided.parts);
+    for enclosure in [&whole, &divided] {
+        for _ in 0..40 {
+            let mut x: Vec<f64> = start.iter().map(|r| rng.inside(*r)).collect();
+            for (end, tube) in enclosure.ends.iter().zip(&enclosure.tubes) {
+                for _ in 0..5 {
+                    travel(model.rate, &mut x, &[], &[], 0.2, 0.02);
+                    assert!(x.iter().zip(tube).all(|(x, r)| has(*r, *x, 1e-10)));
+                }
+                assert!(
+                    x.iter().zip(end).all(|(x, r)| has(*r, *x, 1e-10)),
+                    "{x:?} {end:?}"
+                );
+            }
+        }
+        // The hull of many samples is x [1.79998, 1.90417], y [0.84797, 1.28394].
+        let end = &enclosure.ends[6];
+        assert!(interval(1.79998, 1.90417).is_subset_of(end[0].inflate(1e-5)));
+        assert!(interval(0.84797, 1.28394).is_subset_of(end[1].inflate(1e-5)));
+        assert!(
+            end[0].width() < 0.1227 && end[1].width() < 0.4902,
+            "{end:?}"
+        );
+    }
 }

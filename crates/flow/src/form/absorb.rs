@@ -45,7 +45,7 @@ impl Form {
     }
 
     /// True if a fresh unknown is in monomial `a`.
-    fn is_fresh(&self, a: usize) -> bool {
+    pub(super) fn is_fresh(&self, a: usize) -> bool {
         let exponents = self.monomials.exponents(a);
         exponents[self.unknowns.len()..].iter().any(|e| *e > 0)
     }
@@ -80,28 +80,33 @@ impl Form {
             .map(|c| column(&linear, c, 1.0))
             .chain((0..n).map(|c| column(axes, c, reach[c].rad())))
             .collect();
-        let q = orthogonal(n, edges);
-        let Some(skew) = skewness(n, &q) else { return };
-        let unit = Interval::symmetric(1.0);
-        let y: Vec<Interval> = (0..n)
-            .map(|c| {
-                let along = |matrix: &[f64], l: usize| {
-                    (0..n).fold(Interval::ZERO, |sum, i| {
-                        sum + Interval::point(q[i * n + c]) * Interval::point(matrix[i * n + l])
-                    })
-                };
-                let mut sum = Interval::ZERO;
-                for l in 0..n {
-                    sum += along(&linear, l) * unit + along(axes, l) * reach[l];
-                    sum += Interval::point(q[l * n + c]) * Interval::symmetric(products[l]);
-                }
-                sum
-            })
-            .collect();
-        let largest = y.iter().map(|x| x.mag()).fold(0.0, f64::max);
-        let wider = raised(skew * largest, 2);
-        let (middles, radii): (Vec<f64>, Vec<f64>) =
-            y.iter().map(|x| x.inflate(wider).mid_rad()).unzip();
+        let hull = self.frame.hull();
+        let mut best: Option<(f64, Vec<f64>, Vec<Interval>)> = None;
+        for q in [
+            orthogonal(n, edges),
+            Frame::upright(hull.clone()).coordinates().0.to_vec(),
+        ] {
+            let Some(skew) = skewness(n, &q) else {
+                continue;
+            };
+            let y = within(n, &q, (&linear, &products), (axes, reach, &hull));
+            let largest = y.iter().map(|x| x.mag()).fold(0.0, f64::max);
+            let wider = raised(skew * largest, 2);
+            let r: Vec<Interval> = y.iter().map(|x| x.inflate(wider)).collect();
+            // The sum of the widths of the box around, each seen from the width that has to be.
+            let size = (0..n).map(|i| {
+                let row = &q[i * n..(i + 1) * n];
+                let around: f64 = row.iter().zip(&r).map(|(q, r)| q.abs() * r.rad()).sum();
+                let least: f64 = linear[i * n..(i + 1) * n].iter().map(|x| x.abs()).sum();
+                around / (least + products[i] + hull[i].rad() + 1e-290)
+            });
+            let size: f64 = size.sum();
+            if best.as_ref().is_none_or(|(least, ..)| size < *least) {
+                best = Some((size, q, r));
+            }
+        }
+        let Some((_, q, r)) = best else { return };
+        let (middles, radii): (Vec<f64>, Vec<f64>) = r.iter().map(|x| x.mid_rad()).unzip();
         let mut rest = Vec::with_capacity(n);
         for (i, polynomial) in self.states.iter_mut().enumerate() {
             for a in &fresh {
@@ -119,4 +124,33 @@ impl Form {
         }
         self.frame = Frame::upright(rest);
     }
+}
+
+/// Encloses `Q' (L η + c + e)` for all `η` in the unit box, `c` in the box of `products` and `e` both in the
+/// frame (`axes`, `reach`) and in the box `hull`.
+fn within(
+    n: usize,
+    q: &[f64],
+    (linear, products): (&[f64], &[f64]),
+    (axes, reach, hull): (&[f64], &[Interval], &[Interval]),
+) -> Vec<Interval> {
+    let unit = Interval::symmetric(1.0);
+    (0..n)
+        .map(|c| {
+            let along = |matrix: &[f64], l: usize| {
+                (0..n).fold(Interval::ZERO, |sum, i| {
+                    sum + Interval::point(q[i * n + c]) * Interval::point(matrix[i * n + l])
+                })
+            };
+            let mut sum = Interval::ZERO;
+            let (mut by_frame, mut by_box) = (Interval::ZERO, Interval::ZERO);
+            for l in 0..n {
+                let own = Interval::point(q[l * n + c]);
+                sum += along(linear, l) * unit + own * Interval::symmetric(products[l]);
+                by_frame += along(axes, l) * reach[l];
+                by_box += own * hull[l];
+            }
+            sum + by_frame.intersect(by_box)
+        })
+        .collect()
 }

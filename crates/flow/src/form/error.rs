@@ -18,7 +18,8 @@ use super::outward::{UNIT, is_lost, powers, raised};
 use super::series::{Series, convolve};
 use super::size::Size;
 use super::step::Obstacle;
-use veribound_interval::Interval;
+use veribound_interval::lanes::{Arithmetic, Kernel, Value};
+use veribound_interval::{Interval, Interval8};
 
 /// Why nothing can be said about a register.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +30,38 @@ pub(super) enum Trouble {
     Jump,
     /// Numbers became too large.
     Unbounded,
+}
+
+/// Measures all registers; a kernel only to be compiled for the instruction set of the processor.
+struct Measure<'a> {
+    sizes: &'a mut [Size],
+    weights: &'a [f64],
+    code: &'a Code,
+    monomials: &'a Monomials,
+    series: &'a Series,
+    orders: (usize, usize),
+}
+
+impl Kernel<Interval8> for Measure<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arithmetic<Value = Interval8>>(self) {
+        let steps = self.code.instructions.iter().enumerate();
+        for ((register, step), size) in steps.zip(self.sizes) {
+            let top = match (step.moving, step.primary) {
+                (false, _) => 0,
+                (true, true) => self.orders.0,
+                (true, false) => self.orders.1,
+            };
+            size.measure(
+                self.monomials,
+                self.series.block(register),
+                self.weights,
+                top,
+            );
+        }
+    }
 }
 
 impl From<Trouble> for Obstacle {
@@ -51,11 +84,12 @@ pub(super) struct Errors {
 }
 
 impl Errors {
-    pub(super) fn new(code: &Code, monomials: &Monomials, orders: usize) -> Errors {
+    /// For registers with `stride` numbers per monomial.
+    pub(super) fn new(code: &Code, monomials: &Monomials, stride: usize) -> Errors {
         let count = code.instructions.len();
         Errors {
-            weights: vec![0.0; orders + 1],
-            sizes: vec![Size::new(monomials, orders + 1); count],
+            weights: vec![0.0; stride],
+            sizes: vec![Size::new(monomials, stride); count],
             own: vec![0.0; count],
         }
     }
@@ -71,17 +105,16 @@ impl Errors {
         given: &dyn Fn(Op) -> f64,
     ) -> Result<(), Trouble> {
         powers(span, &mut self.weights);
-        for (register, step) in code.instructions.iter().enumerate() {
-            let top = match (step.moving, step.primary) {
-                (false, _) => 0,
-                (true, true) => orders,
-                (true, false) => secondary,
-            };
-            let size = &mut self.sizes[register];
-            size.measure(monomials, series.block(register), &self.weights, top);
-            if is_lost(size.total) {
-                return Err(Trouble::Unbounded);
-            }
+        Interval8::run(Measure {
+            sizes: &mut self.sizes,
+            weights: &self.weights,
+            code,
+            monomials,
+            series,
+            orders: (orders, secondary),
+        });
+        if self.sizes.iter().any(|size| is_lost(size.total)) {
+            return Err(Trouble::Unbounded);
         }
         for (register, step) in code.instructions.iter().enumerate() {
             let (sizes, own) = (&self.sizes, &self.sizes[register]);

@@ -102,49 +102,62 @@ impl Flow {
         dt: Interval,
     ) -> Result<(), Diverged> {
         let mut next = form.clone();
-        for (slot, x) in next.tube.iter_mut().zip(form.quick_hull()) {
-            *slot = x;
-        }
-        let mut scratch = Scratch::new(self, &next);
-        let begin = next.elapsed;
+        self.go(&mut next, inputs, dt, f64::INFINITY)?;
+        *form = next;
+        Ok(())
+    }
+
+    /// As [`Flow::advance`], but on failure the form stands somewhere on the way; and it is a failure when
+    /// the share of a width that is no function of the unknowns passes `most`.
+    pub(super) fn go(
+        &self,
+        form: &mut Form,
+        inputs: &[Interval],
+        dt: Interval,
+        most: f64,
+    ) -> Result<(), Diverged> {
+        let before = form.quick_hull();
+        form.tube.copy_from_slice(&before);
+        let mut scratch = Scratch::new(self, form);
+        let begin = form.elapsed;
         let mut left = dt;
         while left.hi() > 0.0 {
             let shortest = SHORTEST * dt.hi();
-            match self.single_step(&mut next, &mut scratch, inputs, left, shortest) {
+            let step = self.single_step(form, &mut scratch, inputs, left, shortest);
+            let step = match step {
+                Ok(_) if most < 1.0 && form.excess() > most => Err(Obstacle::TooLong),
+                step => step,
+            };
+            match step {
                 Ok(moved) => {
                     let done = moved == left;
-                    next.elapsed += moved;
+                    form.elapsed += moved;
                     if done {
                         break;
                     }
                     left -= moved;
                 }
                 Err(obstacle) => {
-                    let state = widest_growth(form, &next);
                     return Err(Diverged {
                         obstacle,
-                        state,
-                        reached: next.elapsed,
+                        state: widest_growth(&before, &form.quick_hull()),
+                        reached: form.elapsed,
                     });
                 }
             }
         }
-        next.elapsed = begin + dt;
-        *form = next;
+        form.elapsed = begin + dt;
         Ok(())
     }
 }
 
 /// The state whose width grew most.
-fn widest_growth(before: &Form, after: &Form) -> usize {
-    let width = |form: &Form, i: usize| {
-        let own: f64 = form.states[i][1..].iter().map(|x| x.abs()).sum();
-        own + form.frame.hull()[i].rad() + 1e-12 * form.states[i][0].abs() + 1e-300
+fn widest_growth(before: &[Interval], after: &[Interval]) -> usize {
+    let growth = |i: usize| {
+        let start = before[i].width() + 1e-12 * before[i].mag() + 1e-300;
+        after[i].width() / start
     };
-    (0..before.states.len())
-        .max_by(|a, b| {
-            let growth = |i: usize| width(after, i) / width(before, i);
-            growth(*a).total_cmp(&growth(*b))
-        })
+    (0..before.len())
+        .max_by(|a, b| growth(*a).total_cmp(&growth(*b)))
         .unwrap_or(0)
 }

@@ -140,7 +140,9 @@ impl Moved {
         let edges: Vec<Vec<f64>> = (0..n)
             .map(|c| {
                 let radius = self.centred[c].rad();
-                (0..n).map(|i| self.image[i * n + c].mid() * radius).collect()
+                (0..n)
+                    .map(|i| self.image[i * n + c].mid() * radius)
+                    .collect()
             })
             .collect();
         let axes = orthogonal(n, edges);

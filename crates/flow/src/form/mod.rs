@@ -36,6 +36,11 @@
 //!    (`frame.rs`). Dependence on start values and parameters is kept in `P(δ) = X(δ, h)` as far as its degree
 //!    reaches; terms of higher degree are in `d`.
 //!
+//! Over wide sets the matrix differs from one `δ` to the next. Therefore what is in `E` becomes *fresh
+//! unknowns* of `P` when it has grown to a share of those before (`absorb.rs`); products with the others
+//! then tell each `δ` its own matrix. [`Flow::enclose`] raises the degree, and divides the set at last, until
+//! the result is nearly a function of the unknowns.
+//!
 //! A step that finds no `D` is shortened; a form never changes unless the step is proved.
 //!
 //! Sources: Taylor models, Makino and Berz 1996; Lohner's frames, Lohner 1988; the comparison of defects is
@@ -54,6 +59,7 @@ mod monomials;
 mod output;
 mod outward;
 mod range;
+mod run;
 mod series;
 mod set;
 mod size;
@@ -61,5 +67,6 @@ mod step;
 
 pub use flow::{Diverged, Flow, SeveralModes};
 pub use output::{Contradiction, Output};
+pub use run::{Effort, Enclosure, Stretch};
 pub use set::{Form, FormOptions, OutputForm, Unknown};
 pub use step::Obstacle;

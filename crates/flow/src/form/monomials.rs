@@ -38,7 +38,11 @@ impl Monomials {
         let mut linear = vec![0; variables];
         let mut starts = vec![0, 1];
         for m in 1..=degree {
-            for (v, weight) in weights.iter().enumerate().filter(|(_, weight)| **weight <= m) {
+            for (v, weight) in weights
+                .iter()
+                .enumerate()
+                .filter(|(_, weight)| **weight <= m)
+            {
                 // Those of the right degree without a later variable, times this one.
                 for a in starts[m - weight]..starts[m - weight + 1] {
                     if list[a][v + 1..].iter().all(|e| *e == 0) {
@@ -206,7 +210,10 @@ mod tests {
             assert_eq!(seen, Monomials::new(&twice, degree).len());
             for (v, weight) in weights.iter().enumerate() {
                 assert_eq!(table.exponents(table.linear(v))[v], 1);
-                assert!(*weight > 1 || table.linear(v) == 1 + v, "variables come first");
+                assert!(
+                    *weight > 1 || table.linear(v) == 1 + v,
+                    "variables come first"
+                );
             }
         }
     }

@@ -56,9 +56,9 @@ impl Form {
             }
         }
         let mut run = || -> Result<(Vec<f64>, f64), Trouble> {
-            let done = series.compute(code, &self.monomials, functions, 0, 0);
+            let done = series.compute((code, &self.monomials, functions), (0, 0));
             done.map_err(|_| Trouble::Undefined)?;
-            let mut errors = Errors::new(code, &self.monomials, 0);
+            let mut errors = Errors::new(code, &self.monomials, series.stride);
             let given = |op: Op| match op {
                 Op::Constant(value) => value.rad(),
                 Op::Param(i) => self.params[i].radius,
@@ -71,7 +71,9 @@ impl Form {
             let mut radii = vec![0.0; code.instructions.len()];
             errors.radii(code, functions, &reach, &mut radii)?;
             let register = code.roots[0];
-            Ok((series.block(register).to_vec(), radii[register]))
+            let block = series.block(register).iter();
+            let polynomial = block.step_by(series.stride).copied().collect();
+            Ok((polynomial, radii[register]))
         };
         let (polynomial, radius) = run().map_err(Obstacle::from)?;
         Ok(self.affine(&polynomial, Interval::symmetric(radius)))

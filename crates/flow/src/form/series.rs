@@ -11,15 +11,25 @@
 use super::code::{Code, Op};
 use super::function::Functions;
 use super::monomials::Monomials;
-use veribound_interval::Interval;
+use veribound_interval::lanes::{Arithmetic, Kernel};
+use veribound_interval::{Interval, Interval8};
+
+/// Numbers in a vector.
+const LANES: usize = 4;
+
+/// Vectors of the highest order, [`super::set::HIGHEST`].
+const MOST_VECTORS: usize = 8;
 
 /// The registers of a [`Code`].
 #[derive(Debug, Clone)]
 pub(super) struct Series {
-    /// Numbers per monomial: highest order in time plus one.
+    /// Numbers per monomial: one for every order in time, and some to make whole vectors.
     pub(super) stride: usize,
     monomials: usize,
     values: Vec<f64>,
+    /// The same with the orders of every monomial backwards, and zeros behind: a convolution is then a
+    /// scalar product of whole vectors.
+    backwards: Vec<f64>,
     row: Vec<f64>,
     other: Vec<f64>,
 }
@@ -29,11 +39,13 @@ pub(super) struct Undefined;
 
 impl Series {
     pub(super) fn new(code: &Code, monomials: &Monomials, orders: usize) -> Series {
-        let (stride, count) = (orders + 1, monomials.len());
+        let (stride, count) = ((orders + 1).next_multiple_of(LANES), monomials.len());
+        let registers = code.instructions.len() * count;
         Series {
             stride,
             monomials: count,
-            values: vec![0.0; code.instructions.len() * count * stride],
+            values: vec![0.0; registers * stride],
+            backwards: vec![0.0; registers * (stride + LANES)],
             row: vec![0.0; count],
             other: vec![0.0; count],
         }
@@ -47,7 +59,25 @@ impl Series {
     }
 
     #[inline(always)]
-    pub(super) fn block_mut(&mut self, register: usize) -> &mut [f64] {
+    fn backwards(&self, register: usize) -> &[f64] {
+        let size = self.monomials * (self.stride + LANES);
+        &self.backwards[register * size..(register + 1) * size]
+    }
+
+    /// Forgets everything but order 0 of what does not move.
+    pub(super) fn clear(&mut self, code: &Code) {
+        for (register, step) in code.instructions.iter().enumerate() {
+            if step.moving {
+                let size = self.monomials * self.stride;
+                self.values[register * size..(register + 1) * size].fill(0.0);
+                let size = self.monomials * (self.stride + LANES);
+                self.backwards[register * size..(register + 1) * size].fill(0.0);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn block_mut(&mut self, register: usize) -> &mut [f64] {
         let size = self.monomials * self.stride;
         &mut self.values[register * size..(register + 1) * size]
     }
@@ -59,13 +89,24 @@ impl Series {
         for (slot, value) in block.chunks_exact_mut(stride).zip(polynomial) {
             slot[0] = *value;
         }
+        let size = self.monomials * (stride + LANES);
+        let block = &mut self.backwards[register * size..(register + 1) * size];
+        for (slot, value) in block.chunks_exact_mut(stride + LANES).zip(polynomial) {
+            slot[stride - 1] = *value;
+        }
     }
 
+    #[inline(always)]
     fn store(&mut self, register: usize, order: usize, row: &[f64]) {
         let (stride, size) = (self.stride, self.monomials * self.stride);
         let block = &mut self.values[register * size..(register + 1) * size];
         for (slot, value) in block.chunks_exact_mut(stride).zip(row) {
             slot[order] = *value;
+        }
+        let size = self.monomials * (stride + LANES);
+        let block = &mut self.backwards[register * size..(register + 1) * size];
+        for (slot, value) in block.chunks_exact_mut(stride + LANES).zip(row) {
+            slot[stride - 1 - order] = *value;
         }
     }
 
@@ -74,11 +115,8 @@ impl Series {
     #[inline(always)]
     pub(super) fn compute(
         &mut self,
-        code: &Code,
-        monomials: &Monomials,
-        functions: &Functions,
-        j: usize,
-        secondary: usize,
+        (code, monomials, functions): (&Code, &Monomials, &Functions),
+        (j, secondary): (usize, usize),
     ) -> Result<(), Undefined> {
         let (mut row, mut other) = (
             std::mem::take(&mut self.row),
@@ -154,17 +192,18 @@ impl Series {
                             }
                         }
                         None => {
-                            convolve_rows(monomials, self.block(a), self.block(b), k, j, row);
+                            convolve_rows(monomials, self.block(a), self.backwards(b), (k, j), row);
                         }
                     }
                 }
                 Op::Square(a) => {
-                    let a = self.block(a);
-                    convolve_rows(monomials, a, a, k, j, row);
+                    convolve_rows(monomials, self.block(a), self.backwards(a), (k, j), row);
                 }
                 Op::Recip(a) => {
-                    let (below, own) = (self.block(a), self.block(register));
                     if j == 0 {
+                        let size = self.monomials * (k + LANES);
+                        self.backwards[register * size..(register + 1) * size].fill(0.0);
+                        let below = self.block(a);
                         let centre = below[0];
                         if centre == 0.0 {
                             return Err(Undefined);
@@ -179,14 +218,10 @@ impl Series {
                             .collect();
                         compose(monomials, &coefficients, below, k, row, other);
                     } else {
-                        for (c, slot) in other.iter_mut().enumerate() {
-                            let mut sum = 0.0;
-                            for &(x, y) in monomials.factors(c) {
-                                let (x, y) = (x as usize * k, y as usize * k);
-                                sum += convolve(&below[x + 1..=x + j], &own[y..y + j]);
-                            }
-                            *slot = sum;
-                        }
+                        let (below, own) = (self.block(a), self.block(register));
+                        // The order that is not known yet stands as zero.
+                        let known = self.backwards(register);
+                        convolve_rows(monomials, below, known, (k, j), other);
                         for (c, slot) in row.iter_mut().enumerate() {
                             let factors = monomials.factors(c).iter();
                             *slot = -factors
@@ -244,32 +279,80 @@ impl Series {
 
     /// Order `j + 1` of a state from order `j` of its rate, both in scaled time.
     #[inline(always)]
-    pub(super) fn integrate(&mut self, state: usize, rate: usize, j: usize, unit: f64) {
+    fn integrate(&mut self, state: usize, rate: usize, j: usize, unit: f64) {
         let (k, factor) = (self.stride, unit / (j + 1) as f64);
-        for c in 0..self.monomials {
-            let value = factor * self.block(rate)[c * k + j];
-            self.block_mut(state)[c * k + j + 1] = value;
+        let mut row = std::mem::take(&mut self.row);
+        for (slot, rate) in row.iter_mut().zip(self.block(rate).chunks_exact(k)) {
+            *slot = factor * rate[j];
         }
+        self.store(state, j + 1, &row);
+        self.row = row;
     }
 }
 
-/// Row `j` of the product of two registers.
+/// Row `j` of the product of two registers, the second one backwards.
+///
+/// No product passes through more than `n = P (j + 1)` roundings, `P` the number of pairs of monomials:
+/// besides the product itself, with `v` vectors per pair, there are at most `(P + 1) v / 2` sums of nonzero
+/// numbers in a lane and its twin, and at most two sums of lanes for `j > 1` (one for `j = 1`, none for
+/// `j = 0`), and `v <= (j + 4) / 4`; for `P = 1` there is no twin.
 #[inline(always)]
 fn convolve_rows(
     monomials: &Monomials,
     a: &[f64],
     b: &[f64],
-    stride: usize,
-    j: usize,
+    (stride, j): (usize, usize),
     row: &mut [f64],
 ) {
-    for (c, slot) in row.iter_mut().enumerate() {
-        let mut sum = 0.0;
-        for &(x, y) in monomials.factors(c) {
-            let (x, y) = (x as usize * stride, y as usize * stride);
-            sum += convolve(&a[x..=x + j], &b[y..=y + j]);
+    let a = a.as_chunks::<LANES>().0;
+    let place = (stride / LANES, stride + LANES, stride - 1 - j);
+    match j / LANES + 1 {
+        1 => convolve_vectors::<1>(monomials, a, b, place, row),
+        2 => convolve_vectors::<2>(monomials, a, b, place, row),
+        3 => convolve_vectors::<3>(monomials, a, b, place, row),
+        4 => convolve_vectors::<4>(monomials, a, b, place, row),
+        5 => convolve_vectors::<5>(monomials, a, b, place, row),
+        6 => convolve_vectors::<6>(monomials, a, b, place, row),
+        7 => convolve_vectors::<7>(monomials, a, b, place, row),
+        _ => convolve_vectors::<MOST_VECTORS>(monomials, a, b, place, row),
+    }
+}
+
+/// [`convolve_rows`] in `V` vectors a pair; `width` vectors of `a` a monomial, `apart` numbers of `b`.
+#[inline(always)]
+fn convolve_vectors<const V: usize>(
+    monomials: &Monomials,
+    a: &[[f64; LANES]],
+    b: &[f64],
+    (width, apart, back): (usize, usize, usize),
+    row: &mut [f64],
+) {
+    let add = |sums: &mut [f64; LANES], (x, y): (u32, u32)| {
+        let left = a[x as usize * width..].first_chunk::<V>();
+        let right = b[y as usize * apart + back..].as_chunks::<LANES>().0;
+        if let (Some(left), Some(right)) = (left, right.first_chunk::<V>()) {
+            for (l, r) in left.iter().zip(right) {
+                for lane in 0..LANES {
+                    sums[lane] += l[lane] * r[lane];
+                }
+            }
         }
-        *slot = sum;
+    };
+    for (c, slot) in row.iter_mut().enumerate() {
+        // Two sums at a time, since one addition has to wait for the other.
+        let (mut sums, mut twins) = ([0.0; LANES], [0.0; LANES]);
+        let (pairs, last) = monomials.factors(c).as_chunks::<2>();
+        for [first, second] in pairs {
+            add(&mut sums, *first);
+            add(&mut twins, *second);
+        }
+        for pair in last {
+            add(&mut sums, *pair);
+        }
+        for lane in 0..LANES {
+            sums[lane] += twins[lane];
+        }
+        *slot = (sums[0] + sums[1]) + (sums[2] + sums[3]);
     }
 }
 
@@ -314,5 +397,36 @@ fn compose(
         }
         row.copy_from_slice(other);
         row[0] += g;
+    }
+}
+
+/// Coefficients of the solution that starts with order 0 of the states.
+pub(super) struct Recursion<'a> {
+    pub(super) series: &'a mut Series,
+    pub(super) context: (&'a Code, &'a Monomials, &'a Functions),
+    /// State and its rate.
+    pub(super) rates: &'a [(usize, usize)],
+    /// Highest order, and highest order of what is not primary.
+    pub(super) orders: (usize, usize),
+    /// Length of the unit of time.
+    pub(super) unit: f64,
+}
+
+/// A kernel only to be compiled for the instruction set of the processor.
+impl Kernel<Interval8> for Recursion<'_> {
+    type Output = Result<(), Undefined>;
+
+    #[inline(always)]
+    fn run<A: Arithmetic<Value = Interval8>>(self) -> Result<(), Undefined> {
+        let (orders, secondary) = self.orders;
+        for j in 0..=orders {
+            self.series.compute(self.context, (j, secondary))?;
+            if j < orders {
+                for (state, rate) in self.rates {
+                    self.series.integrate(*state, *rate, j, self.unit);
+                }
+            }
+        }
+        Ok(())
     }
 }

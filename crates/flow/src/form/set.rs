@@ -15,11 +15,11 @@ use veribound_interval::Interval;
 /// Settings of forms.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FormOptions {
-    /// Order of the Taylor series in time; 4 to 40.
-    pub order: usize,
+    /// Order of the Taylor series in time, 4 to 31; `None` chooses by what a step may neglect.
+    pub order: Option<usize>,
     /// Degree of the polynomials in the unknowns; `None` chooses by their number.
     pub degree: Option<usize>,
-    /// How many degrees a fresh unknown counts: one less than the degree unless said otherwise.
+    /// How many degrees a fresh unknown counts: half the degree unless said otherwise.
     pub fresh: Option<usize>,
     /// What one step may neglect in time, relative to the size of a state.
     pub tolerance: f64,
@@ -34,21 +34,14 @@ pub struct FormOptions {
 impl Default for FormOptions {
     fn default() -> Self {
         FormOptions {
-            order: 20,
+            order: None,
             degree: None,
             fresh: None,
-            absorb: 0.5,
+            absorb: 2.0,
             tolerance: 1e-17,
             share: 1e-7,
             steepest: 0.7,
         }
-    }
-}
-
-impl FormOptions {
-    /// Order of the variational equation, which only multiplies what dependence could not keep.
-    pub(super) fn slopes(&self) -> usize {
-        self.order.min(12)
     }
 }
 
@@ -108,6 +101,8 @@ pub struct OutputForm {
 #[derive(Debug, Clone)]
 pub struct Form {
     pub(super) monomials: Arc<Monomials>,
+    /// Order in time.
+    pub(super) order: usize,
     pub(super) options: FormOptions,
     pub(super) unknowns: Vec<Range>,
     /// One polynomial per state.
@@ -123,6 +118,9 @@ pub struct Form {
     pub(super) elapsed: Interval,
 }
 
+/// Highest order in time.
+pub(super) const HIGHEST: usize = 31;
+
 /// Uncertainty below this share of a value is not worth a variable of its own.
 const THIN: f64 = 1e-11;
 
@@ -133,7 +131,7 @@ fn split(x: Interval) -> Option<(f64, f64)> {
 }
 
 /// A degree whose polynomials have at most about a hundred terms.
-fn usual_degree(unknowns: usize) -> usize {
+pub(super) fn usual_degree(unknowns: usize) -> usize {
     match unknowns {
         0 => 0,
         1 => 8,
@@ -148,10 +146,6 @@ fn usual_degree(unknowns: usize) -> usize {
 
 impl Form {
     pub(super) fn new(states: &[Interval], params: &[Interval], options: FormOptions) -> Form {
-        let options = FormOptions {
-            order: options.order.clamp(4, 40),
-            ..options
-        };
         let starts = states
             .iter()
             .enumerate()
@@ -177,7 +171,7 @@ impl Form {
         let degree = degree.max(1);
         let mut weights = vec![1; unknowns.len()];
         if degree > 1 && !unknowns.is_empty() {
-            let weight = options.fresh.unwrap_or(degree - 1).clamp(1, degree);
+            let weight = options.fresh.unwrap_or(degree.div_ceil(2)).clamp(1, degree);
             weights.extend(states.iter().map(|_| weight));
         }
         let monomials = Monomials::new(&weights, degree);
@@ -206,7 +200,8 @@ impl Form {
                 ParamForm { polynomial, radius }
             })
             .collect();
-        Form {
+        let mut form = Form {
+            order: 0,
             scale: starts.iter().map(|p| p[0].abs()).collect(),
             monomials: Arc::new(monomials),
             options,
@@ -217,7 +212,29 @@ impl Form {
             tube: states.to_vec(),
             step: f64::INFINITY,
             elapsed: Interval::ZERO,
+        };
+        form.order = form.usual_order();
+        form
+    }
+
+    /// Coefficients shrink by about `e^2` an order on steps of the best length; one less than a multiple of
+    /// four makes whole vectors.
+    fn usual_order(&self) -> usize {
+        if let Some(order) = self.options.order {
+            return order.clamp(4, HIGHEST);
         }
+        let share = |state: usize| {
+            let width: f64 = self.states[state][1..].iter().map(|x| x.abs()).sum();
+            self.tolerance(state) / (self.scale[state] + width + 1e-100)
+        };
+        let least = (0..self.states.len()).map(share).fold(1.0, f64::min);
+        let orders = -0.5 * least.max(1e-17).ln();
+        (orders / 4.0).round().clamp(2.0, 8.0) as usize * 4 - 1
+    }
+
+    /// Order of the variational equation, which only multiplies what dependence could not keep.
+    pub(super) fn slopes(&self) -> usize {
+        self.order.min(12)
     }
 
     /// What the form depends on, each with the values it may have; in the order of
@@ -289,6 +306,45 @@ impl Form {
             *more += Interval::point(rest);
         }
         self.frame = moved.completed(&more);
+    }
+
+    /// The largest share of a width that is no function of the unknowns; nothing where there are none.
+    pub(super) fn excess(&self) -> f64 {
+        if self.unknowns.is_empty() {
+            return 0.0;
+        }
+        let mut largest: f64 = 0.0;
+        for (polynomial, rest) in self.states.iter().zip(self.frame.hull()) {
+            let (mut own, mut rest) = (0.0, rest.rad());
+            for (a, x) in polynomial.iter().enumerate().skip(1) {
+                if self.is_fresh(a) {
+                    rest += x.abs();
+                } else {
+                    own += x.abs();
+                }
+            }
+            if rest > 1e-9 * polynomial[0].abs() {
+                largest = largest.max(rest / (rest + own));
+            }
+        }
+        largest
+    }
+
+    /// How far from linear the states depend on each unknown.
+    pub(super) fn curvature(&self) -> Vec<f64> {
+        let mut curvature = vec![0.0; self.unknowns.len()];
+        for polynomial in &self.states {
+            let size: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
+            for (a, x) in polynomial.iter().enumerate() {
+                let exponents = self.monomials.exponents(a);
+                if exponents.iter().sum::<u8>() > 1 && size > 0.0 {
+                    for (slot, e) in curvature.iter_mut().zip(exponents) {
+                        *slot += f64::from(*e) * x.abs() / size;
+                    }
+                }
+            }
+        }
+        curvature
     }
 
     /// What a step may neglect for a state.

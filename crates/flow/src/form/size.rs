@@ -198,4 +198,37 @@ mod tests {
         }
         assert!(widest > 0.3, "the bound is not idle: {widest}");
     }
+
+    /// Products of large integers round; exact integers tell by how much.
+    #[test]
+    fn rounding_stays_below_what_is_said() {
+        let monomials = Monomials::new(&[], 0);
+        let (stride, top) = (16, 15);
+        let mut seed = 77_u64;
+        let mut draw = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 12) as i64 - (1 << 51)
+        };
+        let mut widest: f64 = 0.0;
+        for _ in 0..500 {
+            let a: Vec<i64> = (0..8).map(|_| draw()).chain([0; 8]).collect();
+            let b: Vec<i64> = (0..8).map(|_| draw()).chain([0; 8]).collect();
+            let float = |x: &[i64]| -> Vec<f64> { x.iter().map(|x| *x as f64).collect() };
+            let (fa, fb) = (float(&a), float(&b));
+            let mut sizes = [Size::new(&monomials, stride), Size::new(&monomials, stride)];
+            sizes[0].measure(&monomials, &fa, &[1.0; 16], top);
+            sizes[1].measure(&monomials, &fb, &[1.0; 16], top);
+            let said = sizes[0].product(&sizes[1], &monomials, top);
+            let mut lost = 0.0;
+            for j in 0..=14 {
+                let exact: i128 = (0..=j)
+                    .map(|i| i128::from(a[i]) * i128::from(b[j - i]))
+                    .sum();
+                lost += (convolve(&fa[..=j], &fb[..=j]) as i128 - exact).abs() as f64;
+            }
+            assert!(lost <= said, "{lost} of {said}");
+            widest = widest.max(lost / said);
+        }
+        assert!(widest > 0.005, "the bound is not idle: {widest}");
+    }
 }

@@ -9,10 +9,11 @@ use super::compare::exponential;
 use super::error::Errors;
 use super::flow::Flow;
 use super::outward::{UNIT, powers, raised};
-use super::series::Series;
+use super::series::{Recursion, Series};
 use super::set::{Form, two_sum};
-use super::size::beyond;
-use veribound_interval::Interval;
+use super::size::{Size, beyond};
+use veribound_interval::lanes::Value;
+use veribound_interval::{Interval, Interval8};
 
 /// Rounds in which the bound of the deviation may grow before a step is called too long.
 const ROUNDS: usize = 8;
@@ -45,7 +46,7 @@ pub(super) struct Scratch {
 
 impl Scratch {
     pub(super) fn new(flow: &Flow, form: &Form) -> Scratch {
-        let orders = form.options.order;
+        let orders = form.order;
         let count = flow.code.instructions.len();
         let mut series = Series::new(&flow.code, &form.monomials, orders);
         for (register, step) in flow.code.instructions.iter().enumerate() {
@@ -56,8 +57,8 @@ impl Scratch {
             }
         }
         Scratch {
+            errors: Errors::new(&flow.code, &form.monomials, series.stride),
             series,
-            errors: Errors::new(&flow.code, &form.monomials, orders),
             radii: [vec![0.0; count], vec![0.0; count]],
             orders,
         }
@@ -99,6 +100,8 @@ impl Flow {
                 Err(Obstacle::Unbounded) => unit *= 1.0 / 64.0,
                 Err(_) => unit *= 0.25,
             }
+            // What is no number must not meet the zeros of the next attempt.
+            scratch.series.clear(&self.code);
         }
     }
 
@@ -153,7 +156,12 @@ impl Flow {
                 polynomial,
                 low,
                 lost,
-            } = ahead(&scratch.series, register, (orders, end), &errors.weights);
+            } = ahead(
+                scratch.series.block(register),
+                size,
+                (orders, end),
+                &errors.weights,
+            );
             let rate = self.rates[i];
             let speed = errors.sizes[rate].total + scratch.radii[1][rate];
             more[i] = Interval::symmetric(raised(leak[i] + lost + slack * speed, 4));
@@ -192,7 +200,7 @@ impl Flow {
         inputs: &[Interval],
         unit: f64,
     ) -> Result<(), Obstacle> {
-        let (orders, secondary) = (scratch.orders, form.options.slopes());
+        let (orders, secondary) = (scratch.orders, form.slopes());
         let series = &mut scratch.series;
         for (register, step) in self.code.instructions.iter().enumerate() {
             match step.op {
@@ -201,16 +209,16 @@ impl Flow {
                 _ => {}
             }
         }
-        for j in 0..=orders {
-            let done = series.compute(&self.code, &form.monomials, &self.functions, j, secondary);
-            done.map_err(|_| Obstacle::Undefined)?;
-            if j < orders {
-                for (state, rate) in self.code.states.iter().zip(&self.rates) {
-                    series.integrate(*state, *rate, j, unit);
-                }
-            }
-        }
-        Ok(())
+        let states = self.code.states.iter().copied();
+        let rates: Vec<(usize, usize)> = states.zip(self.rates.iter().copied()).collect();
+        let done = Interval8::run(Recursion {
+            series,
+            context: (&self.code, &form.monomials, &self.functions),
+            rates: &rates,
+            orders: (orders, secondary),
+            unit,
+        });
+        done.map_err(|_| Obstacle::Undefined)
     }
 
     /// The scaled time after which the first neglected term reaches the tolerance: a hint.
@@ -263,7 +271,7 @@ impl Flow {
             .measure(
                 (&self.code, &form.monomials, &self.functions),
                 &scratch.series,
-                (span, orders, form.options.slopes()),
+                (span, orders, form.slopes()),
                 &given,
             )
             .map_err(Obstacle::from)?;
@@ -339,7 +347,7 @@ impl Flow {
     /// Solution matrix of the variational equation along the centre, as polynomial in time and at `end`.
     fn fundamental(&self, form: &Form, scratch: &Scratch, unit: f64, end: f64) -> Fundamental {
         let n = self.states;
-        let orders = form.options.slopes();
+        let orders = form.slopes();
         let stride = orders + 1;
         let mut values = vec![0.0; n * n * stride];
         for i in 0..n {
@@ -461,38 +469,36 @@ struct Ahead {
 /// A coefficient of order `j` passes through at most `2 j` roundings in Horner's rule. For the constant,
 /// the sum with order 0 and the product of order 1 are taken without error: rounding then only costs
 /// what is of second order in the step.
-fn ahead(series: &Series, register: usize, (orders, end): (usize, f64), weights: &[f64]) -> Ahead {
-    let rows = series.block(register).chunks_exact(series.stride);
-    let (mut low, mut lost) = (0.0, 0.0);
-    let polynomial = rows
-        .clone()
-        .enumerate()
-        .map(|(a, row)| {
-            let from = if a == 0 { 2 } else { 1 };
-            let tail = row[from..=orders]
-                .iter()
-                .rev()
-                .fold(0.0, |sum, x| sum * end + x);
-            for (j, (x, weight)) in row.iter().zip(weights).enumerate().skip(from) {
-                lost += 2.02 * UNIT * j as f64 * x.abs() * weight;
-            }
-            if a > 0 {
-                let value = row[0] + tail * end;
-                lost += 1.01 * UNIT * value.abs();
-                return value;
-            }
-            let first = row[1] * end;
-            let first_low = row[1].mul_add(end, -first);
-            let (sum, sum_low) = two_sum(row[0], first);
-            let (sum, tail_low) = two_sum(sum, tail * end * end);
-            low = first_low + sum_low + tail_low;
-            lost += 4.0 * UNIT * (first_low.abs() + sum_low.abs() + tail_low.abs());
-            sum
-        })
-        .collect();
+fn ahead(block: &[f64], size: &Size, (orders, end): (usize, f64), weights: &[f64]) -> Ahead {
+    let stride = weights.len();
+    let tail = |row: &[f64], from: usize| -> f64 {
+        let orders = row[from..=orders].iter().rev();
+        orders.fold(0.0, |sum, x| sum * end + x)
+    };
+    let (constant, others) = block.split_at(stride);
+    let first = constant[1] * end;
+    let first_low = constant[1].mul_add(end, -first);
+    let (sum, sum_low) = two_sum(constant[0], first);
+    let (sum, tail_low) = two_sum(sum, tail(constant, 2) * end * end);
+    let low = first_low + sum_low + tail_low;
+    let mut lost = 4.0 * UNIT * (first_low.abs() + sum_low.abs() + tail_low.abs());
+    for (j, (x, weight)) in constant.iter().zip(weights).enumerate().skip(2) {
+        lost += 2.02 * UNIT * j as f64 * x.abs() * weight;
+    }
+    let mut polynomial = vec![sum];
+    if !others.is_empty() {
+        for (j, x) in size.time.iter().enumerate().skip(1) {
+            lost += 2.02 * UNIT * j as f64 * x;
+        }
+    }
+    for row in others.chunks_exact(stride) {
+        let value = row[0] + tail(row, 1) * end;
+        lost += 1.01 * UNIT * value.abs();
+        polynomial.push(value);
+    }
     Ahead {
+        lost: raised(lost, polynomial.len() + 2 * stride + 8),
         polynomial,
         low,
-        lost: raised(lost, rows.len() * (orders + 2) + 8),
     }
 }

@@ -1,0 +1,236 @@
+//! Whole runs: the degree is raised, and then the set divided, until the result is tight enough.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: one entry per state, unknown or stretch, from the same lists"
+)]
+
+use super::flow::{Diverged, Flow};
+use super::set::{Form, FormOptions, Unknown, usual_degree};
+use veribound_interval::Interval;
+
+/// Most terms of a polynomial that are worth trying.
+const MOST_TERMS: usize = 800;
+
+/// Highest degree that is worth trying.
+const HIGHEST_DEGREE: usize = 12;
+
+/// A run is given up for a better one when so much of a width is not a function of the unknowns.
+const HOPELESS: f64 = 0.6;
+
+/// Time during which inputs stay inside their intervals.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stretch {
+    /// Every value each input can have.
+    pub inputs: Vec<Interval>,
+    /// Length in seconds.
+    pub dt: Interval,
+}
+
+/// When a run is good enough, and what may be spent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Effort {
+    /// Share of any width at the end that may be more than is a function of the unknowns.
+    pub excess: f64,
+    /// Most parts that the set is divided into.
+    pub parts: usize,
+}
+
+impl Default for Effort {
+    fn default() -> Self {
+        Effort {
+            excess: 0.15,
+            parts: 64,
+        }
+    }
+}
+
+/// What is proved about a whole run.
+///
+/// Guarantee: all solutions from the start set exist to the end; at the end of every stretch they lie in
+/// its box of `ends`, and during the stretch in its box of `tubes`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Enclosure {
+    /// One box of states for the end of every stretch.
+    pub ends: Vec<Vec<Interval>>,
+    /// One box of states for all times of every stretch.
+    pub tubes: Vec<Vec<Interval>>,
+    /// Number of parts that the set was divided into.
+    pub parts: usize,
+}
+
+/// One part of the start set.
+type Part = (Vec<Interval>, Vec<Interval>);
+
+/// How one form went through the stretches, as far as it came.
+struct Passage {
+    ends: Vec<Vec<Interval>>,
+    tubes: Vec<Vec<Interval>>,
+    failure: Option<Diverged>,
+    last: Form,
+}
+
+impl Passage {
+    /// Smaller is better.
+    fn excess(&self) -> f64 {
+        match self.failure {
+            None => self.last.excess(),
+            Some(_) => f64::INFINITY,
+        }
+    }
+}
+
+impl Flow {
+    /// Encloses all solutions that start in `states` with parameters in `params`, over all stretches.
+    ///
+    /// Guarantee: that of [`Enclosure`]. The degree is raised while that helps, unless the options fix
+    /// it; then the set is divided at the unknown that is least linear, as far as `effort` allows. What is
+    /// not good enough then is returned as it is.
+    ///
+    /// Errors: [`Diverged`] where some part could not be proved to the end.
+    pub fn enclose(
+        &self,
+        states: &[Interval],
+        params: &[Interval],
+        stretches: &[Stretch],
+        options: FormOptions,
+        effort: Effort,
+    ) -> Result<Enclosure, Diverged> {
+        let mut open: Vec<Part> = vec![(states.to_vec(), params.to_vec())];
+        let mut result = Enclosure {
+            ends: Vec::new(),
+            tubes: Vec::new(),
+            parts: 0,
+        };
+        while let Some(part) = open.pop() {
+            let passage = self.best_passage(&part, stretches, options, effort);
+            let divisible = result.parts + open.len() + 2 <= effort.parts;
+            let halves = if divisible && passage.excess() > effort.excess {
+                divide(&part, &passage.last)
+            } else {
+                None
+            };
+            match (halves, passage.failure) {
+                (Some(halves), _) => open.extend(halves),
+                (None, Some(diverged)) => return Err(diverged),
+                (None, None) => {
+                    merge(&mut result.ends, passage.ends);
+                    merge(&mut result.tubes, passage.tubes);
+                    result.parts += 1;
+                }
+            }
+        }
+        Ok(result)
+    }
+
+    /// The passage of the lowest degree that is good enough, or the best one.
+    fn best_passage(
+        &self,
+        part: &Part,
+        stretches: &[Stretch],
+        options: FormOptions,
+        effort: Effort,
+    ) -> Passage {
+        let unknowns = self.start(&part.0, &part.1, options).unknowns().len();
+        let (first, last) = match options.degree {
+            Some(degree) => (degree, degree),
+            None => (usual_degree(unknowns), highest_degree(unknowns)),
+        };
+        let with = |degree: usize| FormOptions {
+            degree: Some(degree),
+            ..options
+        };
+        let pass = |degree: usize| {
+            let most = if degree < last {
+                HOPELESS
+            } else {
+                f64::INFINITY
+            };
+            self.pass(part, stretches, with(degree), most)
+        };
+        let mut best = pass(first);
+        for degree in first + 1..=last {
+            if best.excess() <= effort.excess {
+                break;
+            }
+            let next = pass(degree);
+            if next.excess() <= best.excess() {
+                best = next;
+            }
+        }
+        best
+    }
+
+    /// One form through all stretches; it gives up where its excess passes `most`.
+    fn pass(&self, part: &Part, stretches: &[Stretch], options: FormOptions, most: f64) -> Passage {
+        let mut passage = Passage {
+            ends: Vec::new(),
+            tubes: Vec::new(),
+            failure: None,
+            last: self.start(&part.0, &part.1, options),
+        };
+        for stretch in stretches {
+            let form = &mut passage.last;
+            if let Err(diverged) = self.go(form, &stretch.inputs, stretch.dt, most) {
+                passage.failure = Some(diverged);
+                break;
+            }
+            passage.ends.push(form.hull());
+            passage.tubes.push(form.tube().to_vec());
+        }
+        passage
+    }
+}
+
+/// The highest degree whose polynomials are small enough.
+fn highest_degree(unknowns: usize) -> usize {
+    let mut terms = 1;
+    let mut degree = 0;
+    while degree < HIGHEST_DEGREE {
+        // The number of monomials of degree q in d variables is (d + q)! / (d! q!).
+        terms = terms * (unknowns + degree + 1) / (degree + 1);
+        if terms > MOST_TERMS {
+            break;
+        }
+        degree += 1;
+    }
+    degree.max(usual_degree(unknowns))
+}
+
+/// The halves of a part along the unknown that its form depends on least linearly.
+fn divide((states, params): &Part, form: &Form) -> Option<[Part; 2]> {
+    let curvature = form.curvature();
+    let v = (0..curvature.len()).max_by(|a, b| curvature[*a].total_cmp(&curvature[*b]))?;
+    let mut halves = [
+        (states.clone(), params.clone()),
+        (states.clone(), params.clone()),
+    ];
+    let whole = match form.unknowns().get(v)?.0 {
+        Unknown::Start(i) => states[i],
+        Unknown::Param(i) => params[i],
+    };
+    let middle = whole.mid();
+    let parts = [
+        Interval::new(whole.lo(), middle)?,
+        Interval::new(middle, whole.hi())?,
+    ];
+    for (half, x) in halves.iter_mut().zip(parts) {
+        match form.unknowns().get(v)?.0 {
+            Unknown::Start(i) => half.0[i] = x,
+            Unknown::Param(i) => half.1[i] = x,
+        }
+    }
+    Some(halves)
+}
+
+/// Hulls of boxes, one by one.
+fn merge(into: &mut Vec<Vec<Interval>>, from: Vec<Vec<Interval>>) {
+    if into.is_empty() {
+        *into = from;
+        return;
+    }
+    for (into, from) in into.iter_mut().zip(from) {
+        for (x, y) in into.iter_mut().zip(from) {
+            *x = x.hull(y);
+        }
+    }
+}
