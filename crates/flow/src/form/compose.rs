@@ -4,10 +4,10 @@
     reason = "PROOF: blocks own `monomials * stride` numbers; orders stay below the stride"
 )]
 
+use super::convolve::convolve;
 use super::function::Functions;
 use super::monomials::Monomials;
 use super::outward::{UNIT, raised};
-use super::series::convolve;
 use super::size::Size;
 use veribound_interval::Interval;
 use veribound_model::Unary;

@@ -12,10 +12,11 @@
 
 use super::code::{Code, Op};
 use super::compose;
+use super::convolve::convolve;
 use super::function::Functions;
 use super::monomials::Monomials;
 use super::outward::{UNIT, is_lost, powers, raised};
-use super::series::{Series, convolve};
+use super::series::Series;
 use super::size::Size;
 use super::step::Obstacle;
 use veribound_interval::lanes::{Arithmetic, Kernel, Value};

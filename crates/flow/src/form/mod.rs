@@ -48,9 +48,11 @@
 //! every Taylor coefficient is own.
 
 mod absorb;
+mod ahead;
 mod code;
 mod compare;
 mod compose;
+mod convolve;
 mod error;
 mod flow;
 mod frame;
@@ -64,6 +66,7 @@ mod series;
 mod set;
 mod size;
 mod step;
+mod transport;
 
 pub use flow::{Diverged, Flow, SeveralModes};
 pub use output::{Contradiction, Output};

@@ -85,7 +85,7 @@ impl Size {
     }
 
     /// What the product of two polynomials loses when its orders up to `top` and the degrees of the table
-    /// are computed by [`super::series::convolve`]: the other terms, and rounding.
+    /// are computed by [`super::convolve::convolve`]: the other terms, and rounding.
     ///
     /// Proof. A coefficient of order `j` is a sum of at most `n = P (j + 1)` products, `P` the most pairs
     /// of monomials, none of which passes through more than `n` roundings: its error is at most
@@ -131,7 +131,7 @@ pub(super) fn beyond(a: &[f64], b: &[f64], limit: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::form::series::convolve;
+    use crate::form::convolve::convolve;
 
     #[test]
     fn what_lies_beyond() {

@@ -4,14 +4,14 @@
     reason = "PROOF: vectors have one entry per state, matrices `n * n`; orders stay below the stride"
 )]
 
+use super::ahead::{Ahead, ahead};
 use super::code::Op;
 use super::compare::exponential;
 use super::error::Errors;
 use super::flow::Flow;
-use super::outward::{UNIT, powers, raised};
+use super::outward::{UNIT, raised};
 use super::series::{Recursion, Series};
-use super::set::{Form, two_sum};
-use super::size::{Size, beyond};
+use super::set::Form;
 use veribound_interval::lanes::Value;
 use veribound_interval::{Interval, Interval8};
 
@@ -37,10 +37,10 @@ pub enum Obstacle {
 /// Scratch for steps of one shape of forms.
 #[derive(Debug, Clone)]
 pub(super) struct Scratch {
-    series: Series,
-    errors: Errors,
+    pub(super) series: Series,
+    pub(super) errors: Errors,
     /// Radii on the polynomial itself, and on everything within the bound of the deviation.
-    radii: [Vec<f64>; 2],
+    pub(super) radii: [Vec<f64>; 2],
     orders: usize,
 }
 
@@ -66,15 +66,15 @@ impl Scratch {
 }
 
 /// What a step proved.
-struct Bounds {
+pub(super) struct Bounds {
     /// Time at the end, scaled.
-    span: f64,
+    pub(super) span: f64,
     /// How far solutions can be from the polynomial during the step.
-    deviation: Vec<f64>,
+    pub(super) deviation: Vec<f64>,
     /// How fast they can move away from it at once, in scaled time.
-    defect: Vec<f64>,
+    pub(super) defect: Vec<f64>,
     /// `|∂f/∂x|`, scaled by the length of the step.
-    steepness: Vec<f64>,
+    pub(super) steepness: Vec<f64>,
 }
 
 impl Flow {
@@ -343,106 +343,6 @@ impl Flow {
         }
         Err(Obstacle::TooLong)
     }
-
-    /// Solution matrix of the variational equation along the centre, as polynomial in time and at `end`.
-    fn fundamental(&self, form: &Form, scratch: &Scratch, unit: f64, end: f64) -> Fundamental {
-        let n = self.states;
-        let orders = form.slopes();
-        let stride = orders + 1;
-        let mut values = vec![0.0; n * n * stride];
-        for i in 0..n {
-            values[(i * n + i) * stride] = 1.0;
-        }
-        for j in 0..orders {
-            let factor = unit / (j + 1) as f64;
-            for &(i, l, register) in &self.slopes {
-                let slope = &scratch.series.block(register)[..=j];
-                for c in 0..n {
-                    let column = (l * n + c) * stride;
-                    let sum = super::series::convolve(slope, &values[column..=column + j]);
-                    values[(i * n + c) * stride + j + 1] += factor * sum;
-                }
-            }
-        }
-        let weights = &scratch.errors.weights;
-        let mut time = vec![0.0; n * n * stride];
-        let mut end_powers = vec![0.0; stride];
-        powers(end, &mut end_powers);
-        let mut matrix = Vec::with_capacity(n * n);
-        for (entry, sizes) in values
-            .chunks_exact(stride)
-            .zip(time.chunks_exact_mut(stride))
-        {
-            let mut size = 0.0;
-            for (j, (value, slot)) in entry.iter().zip(sizes).enumerate() {
-                *slot = raised(value.abs() * weights[j], 1);
-                size += (2 * j + 1) as f64 * value.abs() * end_powers[j];
-            }
-            let value = entry.iter().rev().fold(0.0, |sum, x| sum * end + x);
-            let off = raised(1.01 * UNIT * size, stride + 4);
-            matrix.push(Interval::point(value).inflate(off));
-        }
-        Fundamental {
-            stride,
-            time,
-            matrix,
-        }
-    }
-
-    /// How far solutions can be, at any time of the step, from the polynomial plus the fundamental matrix
-    /// times their deviation at the start.
-    fn leak(
-        &self,
-        scratch: &Scratch,
-        map: &Fundamental,
-        unit: f64,
-        bounds: &Bounds,
-        reach: &[Interval],
-    ) -> Option<Vec<f64>> {
-        let (n, stride) = (self.states, map.stride);
-        let errors = &scratch.errors;
-        let mut rate = bounds.defect.clone();
-        for &(i, l, register) in &self.slopes {
-            let size = &errors.sizes[register];
-            let along = scratch.series.block(register);
-            let top = size.top;
-            let centre: Vec<f64> = along[..=top]
-                .iter()
-                .zip(&errors.weights)
-                .map(|(x, w)| raised(x.abs() * w, 1))
-                .collect();
-            let others: f64 = size.degree[1..].iter().sum();
-            // Rounding of the coefficients of the matrix: n products of up to `stride` terms each.
-            let terms = (n * stride + 4) as f64;
-            let rounding = 1.01 * UNIT * terms * centre.iter().sum::<f64>();
-            let apart = raised(
-                others + scratch.radii[1][register] + rounding,
-                top + size.degree.len() + 4,
-            );
-            for (c, from) in reach.iter().enumerate() {
-                let from = from.mag();
-                if from == 0.0 {
-                    continue;
-                }
-                let column = (l * n + c) * stride;
-                let column = &map.time[column..column + stride];
-                let total: f64 = column.iter().sum();
-                // The derivative of the polynomial matrix has orders below `stride - 1`.
-                let open = beyond(&centre, column, stride - 2);
-                let gap = raised(apart * total + open, stride + 3);
-                rate[i] = raised(rate[i] + unit * gap * from, 3);
-            }
-        }
-        let over: Vec<f64> = rate.iter().map(|r| raised(r * bounds.span, 1)).collect();
-        exponential(n, &bounds.steepness, &over, 1)
-    }
-}
-
-/// The fundamental matrix: sizes of its coefficients by order in time, and its value at the end.
-struct Fundamental {
-    stride: usize,
-    time: Vec<f64>,
-    matrix: Vec<Interval>,
 }
 
 /// The largest power of two that is not above `x`.
@@ -451,54 +351,5 @@ fn binary(x: f64) -> f64 {
         f64::from_bits(x.to_bits() & (0x7ff << 52))
     } else {
         1.0
-    }
-}
-
-/// A state at scaled time `end`.
-struct Ahead {
-    /// The polynomial in the unknowns.
-    polynomial: Vec<f64>,
-    /// What rounding took from its constant, as far as it is known.
-    low: f64,
-    /// What rounding can have taken besides.
-    lost: f64,
-}
-
-/// The polynomial of a state ahead of time.
-///
-/// A coefficient of order `j` passes through at most `2 j` roundings in Horner's rule. For the constant,
-/// the sum with order 0 and the product of order 1 are taken without error: rounding then only costs
-/// what is of second order in the step.
-fn ahead(block: &[f64], size: &Size, (orders, end): (usize, f64), weights: &[f64]) -> Ahead {
-    let stride = weights.len();
-    let tail = |row: &[f64], from: usize| -> f64 {
-        let orders = row[from..=orders].iter().rev();
-        orders.fold(0.0, |sum, x| sum * end + x)
-    };
-    let (constant, others) = block.split_at(stride);
-    let first = constant[1] * end;
-    let first_low = constant[1].mul_add(end, -first);
-    let (sum, sum_low) = two_sum(constant[0], first);
-    let (sum, tail_low) = two_sum(sum, tail(constant, 2) * end * end);
-    let low = first_low + sum_low + tail_low;
-    let mut lost = 4.0 * UNIT * (first_low.abs() + sum_low.abs() + tail_low.abs());
-    for (j, (x, weight)) in constant.iter().zip(weights).enumerate().skip(2) {
-        lost += 2.02 * UNIT * j as f64 * x.abs() * weight;
-    }
-    let mut polynomial = vec![sum];
-    if !others.is_empty() {
-        for (j, x) in size.time.iter().enumerate().skip(1) {
-            lost += 2.02 * UNIT * j as f64 * x;
-        }
-    }
-    for row in others.chunks_exact(stride) {
-        let value = row[0] + tail(row, 1) * end;
-        lost += 1.01 * UNIT * value.abs();
-        polynomial.push(value);
-    }
-    Ahead {
-        lost: raised(lost, polynomial.len() + 2 * stride + 8),
-        polynomial,
-        low,
     }
 }
