@@ -86,6 +86,26 @@ fn all_spellings_of_a_record_mean_the_same() {
     }
 }
 
+/// Stamps that look like milliseconds are taken as they are, and a hint says so.
+#[test]
+fn stamps_far_apart_are_remarked() {
+    let record = |head: &str, step: &str| {
+        let text = format!("{head},u,phi_m,still\n0,0,0,1\n{step},0,0,1\n");
+        open(&text, &rig(), RecordOptions::default()).0
+    };
+    assert_eq!(
+        record("t", "10").hint(),
+        Some(
+            "the samples are 10 s apart on average, since the column `t` names no unit and stamps without one \
+             are seconds; if that is right, call it `t_s`; milliseconds have to be divided by 1000"
+        )
+    );
+    assert_eq!(*record("t", "10").last(), decimal("10"));
+    for (head, step) in [("t_s", "10"), ("t [s]", "10"), ("t", "0.01"), ("t", "3600")] {
+        assert_eq!(record(head, step).hint(), None, "{head} {step}");
+    }
+}
+
 #[test]
 fn the_user_can_name_every_column() {
     let text = "stamp,clock,torque,angle,other,stop\n9,0,1,2,3,1\n9,1,1,2,3,0\n";

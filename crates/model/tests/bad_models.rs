@@ -74,6 +74,13 @@ fn unreadable_paths() {
         "error[E0101]: cannot read `testdata/nowhere.toml`: there is no such file\n |\n = help: check the path of the model file\n"
     );
     assert!(seen("testdata").contains("it is a folder"));
+    let record = Model::from_text("run.csv", "t,F,x_m\n0,0.5,0\n").unwrap_err();
+    assert_eq!(
+        record.render(false),
+        "error[E0103]: the file is not valid TOML: key with no value, expected `=`\n --> run.csv:1:2\n  |\n\
+         1 | t,F,x_m\n  |  ^ here\n  |\n  = help: this looks like a record; the model comes first: \
+         veribound observe MODEL RECORD\n"
+    );
 }
 
 #[test]

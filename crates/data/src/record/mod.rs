@@ -14,7 +14,7 @@ use crate::digest::Digesting;
 use crate::failure;
 use crate::reader::lines::{Lines, quote};
 use crate::reader::{Line, bad_quotes, fields, is_comment};
-use header::Header;
+use header::{Column, Header};
 use layout::{Finder, Layout};
 use problems::Problems;
 use row::{Row, Rows};
@@ -22,7 +22,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use veribound_interval::Decimal;
+use veribound_interval::{Decimal, text};
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
 use veribound_model::model::{Model, Sample};
 
@@ -64,6 +64,7 @@ pub struct Record {
     last: Decimal,
     sha256: String,
     missing: Vec<(String, usize)>,
+    hint: Option<String>,
 }
 
 impl Record {
@@ -115,6 +116,10 @@ impl Record {
             return Err(problems.into_error(&name));
         }
         let missing = seen.missing(&layout);
+        let hint = header.columns.get(layout.time).and_then(|column| {
+            let (first, last) = seen.window.as_ref()?;
+            time_hint(column, first, last, seen.samples)
+        });
         let Some((first, last)) = seen.window else {
             return Err(no_samples(&name, &options, seen.whole).into());
         };
@@ -122,6 +127,7 @@ impl Record {
             sha256: lines.into_input().into_inner().finish(),
             path,
             missing,
+            hint,
             layout: Arc::new(layout),
             options,
             samples: seen.samples,
@@ -198,6 +204,11 @@ impl Record {
     /// with its factor.
     pub fn conversions(&self) -> &[String] {
         &self.layout.conversions
+    }
+
+    /// What may be a slip and changes nothing: time stamps without a unit that look like milliseconds.
+    pub fn hint(&self) -> Option<&str> {
+        self.hint.as_deref()
     }
 
     /// What the user should know: a column whose unit is not the model's and is not converted.
@@ -385,6 +396,20 @@ fn read_header<R: BufRead>(lines: &mut Lines<R>, name: &str) -> Result<Header, D
         return Header::parse(text, fields::separator(text), &source)
             .map_err(|error| bad_quotes(line, error));
     }
+}
+
+/// Stamps that name no unit are seconds; a second and more from one to the next is slow for a rig.
+fn time_hint(column: &Column, first: &Decimal, last: &Decimal, samples: usize) -> Option<String> {
+    let steps = samples.checked_sub(1).filter(|steps| *steps > 0)?;
+    let mean = (last.to_interval() - first.to_interval()).mid() / steps as f64;
+    let says_unit = column.unit.is_some() || column.name.contains('_');
+    let (name, mean_text) = (&column.name, text::upper(mean, 3));
+    (!says_unit && (1.0..=1000.0).contains(&mean)).then(|| {
+        format!(
+            "the samples are {mean_text} s apart on average, since the column `{name}` names no unit and stamps \
+             without one are seconds; if that is right, call it `{name}_s`; milliseconds have to be divided by 1000"
+        )
+    })
 }
 
 fn no_samples(

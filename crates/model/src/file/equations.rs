@@ -9,7 +9,7 @@ use std::ops::Range;
 
 /// A named intermediate result; without an equation when that could not be read.
 pub(crate) struct Definition {
-    name: String,
+    pub name: String,
     place: Range<usize>,
     pub equation: Option<Equation>,
 }

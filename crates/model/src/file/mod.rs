@@ -1,5 +1,6 @@
 //! From a model file to a [`Model`]: one pass that collects every problem before it gives up.
 
+mod advice;
 mod constants;
 mod dimensions;
 mod disturbances;
@@ -134,7 +135,12 @@ fn document(reader: &mut Reader, source: &Arc<SourceText>) -> Option<Model> {
     let (table, errors) = DeTable::parse_recoverable(&source.text);
     for error in &errors {
         let is_duplicate = error.message().contains("duplicate key");
-        let help = if is_duplicate {
+        let is_record = Path::new(&source.name)
+            .extension()
+            .is_some_and(|end| end.eq_ignore_ascii_case("csv"));
+        let help = if is_record {
+            "this looks like a record; the model comes first: veribound observe MODEL RECORD"
+        } else if is_duplicate {
             "keep one of the two"
         } else if error.message().contains("table") || error.message().contains("comma") {
             "correct the TOML here: a comma, `}` or `]` is missing here or above"
@@ -205,6 +211,7 @@ fn model(reader: &mut Reader, file: &Table) -> Option<Model> {
         signals: &signals,
     };
     let mut notes = dimensions::check(reader, &units);
+    notes.extend(advice::advise(&units));
     let outputs = measured::lower_outputs(reader, &mut lowering, outputs, &states);
     let signals = measured::lower_signals(reader, &mut lowering, signals, resets);
     let lowered: Vec<(Guard, Vec<_>)> = lowered.into_iter().collect::<Option<_>>()?;

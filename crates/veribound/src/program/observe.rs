@@ -186,6 +186,9 @@ fn remarks(record: &Record, said: &[String], quiet: bool) {
     if quiet {
         return;
     }
+    if let Some(hint) = record.hint() {
+        message::remark(&format!("note: {hint}"));
+    }
     for (name, count) in record.missing() {
         let values = if *count == 1 { "value" } else { "values" };
         message::remark(&format!("note: {name}: {count} {values} missing"));

@@ -207,6 +207,12 @@ impl<'f> Checker<'f> {
     }
 
     fn value(&mut self, ast: &Ast) -> Value {
+        if let Kind::Call(Function::Friction, arguments) = &ast.kind
+            && let [velocity, drive, level, ..] = arguments.as_slice()
+            && self.are_swapped(velocity, drive, level)
+        {
+            return Value::Free;
+        }
         if let Some(Parts { beside, results }) = Parts::of(&ast.kind) {
             self.alike(&beside);
             return self.alike(&results);
@@ -295,6 +301,36 @@ impl<'f> Checker<'f> {
                 Value::Free
             }
         }
+    }
+
+    /// Reports the first arguments of `friction` where units prove that they are swapped.
+    fn are_swapped(&mut self, velocity: &Ast, drive: &Ast, level: &Ast) -> bool {
+        let (problems, notes) = (self.problems.len(), self.notes.len());
+        let units = [velocity, drive, level].map(|argument| self.value(argument));
+        // This was a look ahead.
+        self.problems.truncate(problems);
+        self.notes.truncate(notes);
+        let [
+            Value::Known { unit: first, .. },
+            Value::Known { unit: second, .. },
+            Value::Known { unit: level, .. },
+        ] = units
+        else {
+            return false;
+        };
+        if !first.agrees_with(&level) || second.agrees_with(&level) {
+            return false;
+        }
+        let spelled = |ast: &Ast| self.text.get(ast.range.clone()).unwrap_or("").to_string();
+        let (drive, velocity_text) = (spelled(velocity), spelled(drive));
+        self.problems.push(Problem::new(
+            "E0220",
+            "the first two arguments of `friction` are swapped",
+            velocity.range.clone(),
+            format!("in {}, as the level is", first.spell()),
+            format!("the velocity comes first: friction({velocity_text}, {drive}, level)"),
+        ));
+        true
     }
 
     fn plain_argument(&mut self, argument: &Ast, call: &Ast, takes: &str) -> Value {
