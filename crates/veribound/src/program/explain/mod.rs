@@ -193,8 +193,8 @@ mod tests {
         found
     }
 
-    /// The codes of what is wrong with an example; empty when it can be read.
-    fn raised(example: &Example, model: &Model, place: &Path) -> BTreeSet<&'static str> {
+    /// What is wrong with an example; nothing when it can be read.
+    fn problems(example: &Example, model: &Model, place: &Path) -> Diagnostics {
         let problems = if example.kind.starts_with("toml") {
             Model::from_text("example.toml", example.text.as_str()).err()
         } else {
@@ -202,8 +202,87 @@ mod tests {
             fs::write(&path, &example.text).unwrap();
             Record::open(&path, model, RecordOptions::default()).err()
         };
-        let problems = problems.map(|problems| problems.0).unwrap_or_default();
-        problems.iter().map(|problem| problem.code).collect()
+        problems.unwrap_or(Diagnostics(Vec::new()))
+    }
+
+    /// The codes of that.
+    fn raised(example: &Example, model: &Model, place: &Path) -> BTreeSet<&'static str> {
+        let problems = problems(example, model, place);
+        problems.0.iter().map(|problem| problem.code).collect()
+    }
+
+    /// The messages of all wrong records of the page, word for word. After a wanted change `BLESS=1` writes
+    /// them anew.
+    #[test]
+    fn wrong_records_are_told_word_for_word() {
+        let model = Model::from_text("m.toml", MODEL).unwrap();
+        let place = tempfile::tempdir().unwrap();
+        let sections = sections(PAGE);
+        let examples = examples(&sections);
+        let wrong = examples
+            .iter()
+            .filter(|example| example.kind == "csv wrong");
+        let record = place.path().join("example.csv");
+        let plain = |problems: Diagnostics| {
+            let text = problems.render(false);
+            text.replace(&record.display().to_string(), "example.csv")
+        };
+        let shown = wrong.map(|example| plain(problems(example, &model, place.path())));
+        let mut shown: Vec<String> = shown.collect();
+        // What cannot stand on a page.
+        let many: String = (0..60).map(|i| format!("{i},fast,0\n")).collect();
+        let long = format!("t,u,y\n0,0,{}\n", "0".repeat(2_000_000));
+        for (bytes, from) in [
+            (format!("t,u,y\n{many}").into_bytes(), None),
+            (b"PK\x03\x04\x00\x00".to_vec(), None),
+            (b"\xff\xfet\x00,\x00".to_vec(), None),
+            (b"t,u,y\n0,\xe4,0\n".to_vec(), None),
+            (b"t,u,y\n0,0,0\n1,0,0\n".to_vec(), Some("7")),
+            (long.into_bytes(), None),
+        ] {
+            fs::write(&record, bytes).unwrap();
+            let from = from.map(|from| veribound_interval::Decimal::parse(from).unwrap());
+            let options = RecordOptions {
+                from,
+                ..RecordOptions::default()
+            };
+            let problems = Record::open(&record, &model, options).unwrap_err();
+            shown.push(plain(problems));
+        }
+        let seen = shown.join("\n");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("testdata/records.txt");
+        if std::env::var_os("BLESS").is_some() {
+            fs::write(&path, &seen).unwrap();
+        }
+        let wanted = fs::read_to_string(&path).unwrap_or_default();
+        assert_eq!(seen, wanted);
+    }
+
+    /// Codes whose messages are only looked at in parts: most need a machine or a folder in a certain state.
+    const IN_PARTS: &[&str] = &[
+        "E0417", "E0420", "E0501", "E0502", "E0503", "E0504", "E0505", "E0506", "E0507", "E0508",
+        "E0601", "E0602", "E0603", "E0604", "E0605", "E0606", "E0607", "E0608", "E0609", "E0610",
+        "E0611", "E0612",
+    ];
+
+    #[test]
+    fn every_code_has_an_exact_text() {
+        let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+        let (mut codes, mut files) = (Vec::new(), Vec::new());
+        for entry in fs::read_dir(crates).unwrap() {
+            let folder = entry.unwrap().path();
+            found_in(&folder.join("src"), "rs", &mut codes);
+            found_in(&folder.join("testdata"), "txt", &mut files);
+            found_in(&folder.join("tests"), "rs", &mut files);
+        }
+        let read = |path: &PathBuf| fs::read_to_string(path).unwrap();
+        let texts: String = files.iter().map(read).collect();
+        let sources: Vec<String> = codes.iter().map(read).collect();
+        let all: BTreeSet<&str> = sources.iter().flat_map(|text| codes_in(text)).collect();
+        let without = all
+            .iter()
+            .filter(|code| !texts.contains(&format!("error[{code}]: ")));
+        assert_eq!(without.copied().collect::<Vec<_>>(), IN_PARTS);
     }
 
     #[test]
@@ -231,12 +310,13 @@ mod tests {
         assert!(wrong >= 40 && right >= wrong, "{wrong} {right}");
     }
 
-    fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
-        for entry in fs::read_dir(folder).unwrap() {
+    /// The files with an ending, in a folder that need not exist.
+    fn found_in(folder: &Path, ending: &str, found: &mut Vec<PathBuf>) {
+        for entry in fs::read_dir(folder).into_iter().flatten() {
             let path = entry.unwrap().path();
             if path.is_dir() {
-                sources(&path, found);
-            } else if path.extension().is_some_and(|ending| ending == "rs") {
+                found_in(&path, ending, found);
+            } else if path.extension().is_some_and(|own| own == ending) {
                 found.push(path);
             }
         }
@@ -257,7 +337,7 @@ mod tests {
         let crates = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
         let mut files = Vec::new();
         for entry in fs::read_dir(crates).unwrap() {
-            sources(&entry.unwrap().path().join("src"), &mut files);
+            found_in(&entry.unwrap().path().join("src"), "rs", &mut files);
         }
         let texts: Vec<String> = files
             .iter()
