@@ -1,6 +1,7 @@
 //! Symbolic derivatives, and what they tell about comparisons.
 
 use super::{Binary, ExprId, Graph, Node, Unary, Var};
+use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use std::collections::HashMap;
 use veribound_interval::Interval;
@@ -175,16 +176,28 @@ impl Graph {
                 // (a' + b' ± sign(a - b) (a' - b'))/2: a at a > b, b at a < b, their segment at a tie.
                 let gap = self.sub(a, b);
                 let sign = self.unary(Unary::Sign, gap);
-                let slope_gap = self.sub(da, db);
-                let switched = self.mul(sign, slope_gap);
-                let sum = self.add(da, db);
-                let twice = if function == Binary::Max {
-                    self.add(sum, switched)
+                let towards_a = if function == Binary::Max {
+                    sign
                 } else {
-                    self.sub(sum, switched)
+                    self.neg(sign)
                 };
-                let two = self.integer(2);
-                self.div(twice, two)
+                // Where one argument is constant, the share of the other in the derivative is between 0
+                // and 1; multiplied out, an undecided sign would give shares from -1/2 on.
+                if self.is_zero(da) || self.is_zero(db) {
+                    let one = self.integer(1);
+                    let (twice_share, slope) = if self.is_zero(db) {
+                        (self.add(one, towards_a), da)
+                    } else {
+                        (self.sub(one, towards_a), db)
+                    };
+                    let share = self.halved(twice_share);
+                    return self.mul(share, slope);
+                }
+                let slope_gap = self.sub(da, db);
+                let switched = self.mul(towards_a, slope_gap);
+                let sum = self.add(da, db);
+                let twice = self.add(sum, switched);
+                self.halved(twice)
             }
             Binary::Pow => {
                 // (a^b)' = b a^(b-1) a' + ln(a) a^b b'
@@ -213,6 +226,11 @@ impl Graph {
             }
             Binary::Atan2Cut => self.binary(function, a, b),
         }
+    }
+
+    fn halved(&mut self, e: ExprId) -> ExprId {
+        let half = self.constant(BigRational::new(1.into(), 2.into()));
+        self.mul(e, half)
     }
 
     /// Where an expression crosses zero, if it is affine in one state and depends on nothing else.

@@ -47,6 +47,8 @@ impl<V: Value> Kernel<V> for Evaluate<'_, V> {
 
 #[inline(always)]
 fn unary_regularity<A: Arithmetic>(function: Unary, a: &A::Value) -> Regular<MaskOf<A>> {
+    // The frequent ones are asked for all boxes at once; each box by itself is asked the same in `domain`.
+    let unknown = || Regular::undefined(A::is_empty(a));
     let of: fn(Interval) -> Regularity = match function {
         Unary::Neg
         | Unary::Exp
@@ -65,14 +67,17 @@ fn unary_regularity<A: Arithmetic>(function: Unary, a: &A::Value) -> Regular<Mas
             return Regular::smooth();
         }
         Unary::Sqrt => domain::sqrt,
-        Unary::Ln => domain::ln,
+        Unary::Ln => return unknown().and(Regular::undefined(!A::is_positive(a))),
+        Unary::Abs => {
+            let kink = A::test(a, |a| a.lo() < 0.0 && a.hi() > 0.0);
+            return unknown().and(Regular::kink(kink));
+        }
+        Unary::Sign => return unknown().and(Regular::jump(A::contains_zero(a))),
         Unary::Tan => domain::tan,
         Unary::Asin => domain::asin,
         Unary::Acos => domain::acos,
         Unary::Acosh => domain::acosh,
         Unary::Atanh => domain::atanh,
-        Unary::Abs => domain::abs,
-        Unary::Sign => domain::sign,
     };
     Regular::by_lane(|wanted| A::test(a, |a| of(a) == wanted))
 }
@@ -128,8 +133,82 @@ impl Op {
     }
 }
 
-/// How regular the smaller and the larger of two are.
+/// How regular the smaller and the larger of two are, as [`domain::min`].
 #[inline(always)]
 fn meeting<A: Arithmetic>(a: &A::Value, b: &A::Value) -> Regular<MaskOf<A>> {
-    Regular::by_lane(|wanted| A::test2(a, b, |a, b| domain::min(a, b) == wanted))
+    let kink = A::test2(a, b, |a, b| a.lo() < b.hi() && b.lo() < a.hi());
+    Regular::kink(kink).and(Regular::undefined(A::is_empty(a) | A::is_empty(b)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use veribound_interval::lanes::{Interval8, LANES};
+
+    const SIDES: [Option<(f64, f64)>; LANES] = [
+        None,
+        Some((-1.0, 2.0)),
+        Some((0.0, 1.0)),
+        Some((-1.0, 0.0)),
+        Some((0.0, 0.0)),
+        Some((1.0, 2.0)),
+        Some((-2.0, -1.0)),
+        Some((f64::NEG_INFINITY, f64::INFINITY)),
+    ];
+
+    struct Ask<'a>(&'a Interval8, &'a Interval8);
+
+    impl Kernel<Interval8> for Ask<'_> {
+        type Output = Vec<Regular<MaskOf8>>;
+
+        #[inline(always)]
+        fn run<A: Arithmetic<Value = Interval8>>(self) -> Self::Output {
+            let alone = [Unary::Sqrt, Unary::Ln, Unary::Abs, Unary::Sign];
+            let mut all = alone.map(|f| unary_regularity::<A>(f, self.0)).to_vec();
+            all.push(meeting::<A>(self.0, self.1));
+            all
+        }
+    }
+
+    type MaskOf8 = <Interval8 as Value>::Mask;
+
+    #[test]
+    fn boxes_side_by_side_are_asked_what_each_is_asked() {
+        let of = |side: Option<(f64, f64)>| {
+            side.and_then(|(lo, hi)| Interval::new(lo, hi))
+                .unwrap_or(Interval::EMPTY)
+        };
+        for turn in 0..LANES {
+            let a = Interval8::from_fn(|lane| of(SIDES[lane]));
+            let b = Interval8::from_fn(|lane| of(SIDES[(lane + turn) % LANES]));
+            let found = Interval8::run(Ask(&a, &b));
+            for lane in 0..LANES {
+                let (a, b) = (a.get(lane), b.get(lane));
+                let exact = [
+                    domain::sqrt(a),
+                    domain::ln(a),
+                    domain::abs(a),
+                    domain::sign(a),
+                    domain::min(a, b),
+                ];
+                for (found, exact) in found.iter().zip(exact) {
+                    assert_eq!(
+                        found.is_smooth().get(lane),
+                        exact >= Regularity::Smooth,
+                        "{a} {b}"
+                    );
+                    assert_eq!(
+                        found.is_continuous().get(lane),
+                        exact >= Regularity::Kink,
+                        "{a} {b}"
+                    );
+                    assert_eq!(
+                        found.is_defined().get(lane),
+                        exact >= Regularity::Jump,
+                        "{a} {b}"
+                    );
+                }
+            }
+        }
+    }
 }
