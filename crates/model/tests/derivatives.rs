@@ -72,7 +72,7 @@ fn equation(dice: &mut Dice, symbols: &[Symbol], levels: usize) -> Symbol {
     let a = equation(dice, symbols, levels - 1);
     let less = dice.below(levels);
     let b = equation(dice, symbols, less);
-    match dice.below(34) {
+    match dice.below(41) {
         0 | 1 => a + b,
         2 | 3 => a - b,
         4..=6 => a * b,
@@ -110,7 +110,14 @@ fn equation(dice: &mut Dice, symbols: &[Symbol], levels: usize) -> Symbol {
                 ("2", "3"),
             ])
         }
-        32 => {
+        32 => a.floor() + b.ceil(),
+        33 => a.round(),
+        34 => a.trunc(),
+        35 => a.cbrt(),
+        36 => a.atan2(b),
+        37 => a.power(b),
+        38 => a.abs().power("1.5"),
+        39 => {
             let condition: Condition = dice.pick(symbols).above(dice.pick(symbols));
             if_else(condition, a, b)
         }

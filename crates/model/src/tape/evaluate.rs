@@ -83,8 +83,7 @@ fn unary_regularity<A: Arithmetic>(function: Unary, a: &A::Value) -> Regular<Mas
 }
 
 impl Op {
-    /// Writes the result straight to its place: the operands are elsewhere, and that is known only of
-    /// references that are arguments.
+    /// One instruction: the value, and how regular the operation is there.
     #[inline(always)]
     fn evaluate<A: Arithmetic>(
         self,
