@@ -77,3 +77,50 @@ pub(super) fn defect(
     let apart = raised(sum, count * (top + 1) + 2);
     Some(raised(apart + radius + remainder, 2))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::form::code::Code;
+    use veribound_model::{Graph, Var};
+
+    type Function = fn(f64) -> f64;
+
+    /// Polynomials that are far from the function, and some that are near: the distance at points is never
+    /// more than said.
+    #[test]
+    fn the_distance_is_told() {
+        let monomials = Monomials::new(&[1], 2);
+        let weights = [1.0; 4];
+        let mut inner = vec![0.0; 12];
+        (inner[0], inner[1], inner[4]) = (0.8, 0.1, 0.2);
+        let mut size = Size::new(&monomials, 4);
+        size.measure(&monomials, &inner, &weights, 3);
+        let cases: [(Unary, Function); 5] = [
+            (Unary::Exp, f64::exp),
+            (Unary::Sin, f64::sin),
+            (Unary::Sqrt, f64::sqrt),
+            (Unary::Tanh, f64::tanh),
+            (Unary::Atan, f64::atan),
+        ];
+        for (function, value) in cases {
+            let mut graph = Graph::default();
+            let x = graph.var(Var::State(0));
+            let call = graph.unary(function, x);
+            let code = Code::compile(&mut graph, 1, &[call], &[]);
+            let functions = Functions::of(&code);
+            for (constant, linear) in [(0.0, 0.0), (value(0.8), 0.0), (value(0.8), 0.5)] {
+                let mut own = vec![0.0; 12];
+                (own[0], own[1], own[4]) = (constant, 0.5 * linear, linear);
+                let context = (&monomials, &functions, &weights[..]);
+                let said = defect(context, function, (&inner, &size), (&own, 3)).unwrap();
+                let mut most: f64 = 0.0;
+                for (d, s) in [(1.0, 1.0), (-1.0, 1.0), (1.0, 0.0), (-1.0, 0.0), (0.3, 0.7)] {
+                    let exact = value(0.8 + 0.1 * s + 0.2 * d);
+                    most = most.max((constant + 0.5 * linear * s + linear * d - exact).abs());
+                }
+                assert!(most <= said, "{function:?}: {most} of {said}");
+            }
+        }
+    }
+}

@@ -361,3 +361,17 @@ pub(super) fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let other = sum - a;
     (sum, (a - (sum - other)) + (b - other))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_a_sum_loses_stays_in_the_frame() {
+        let mut form = Form::new(&[Interval::ONE], &[], FormOptions::default());
+        let low = f64::powi(0.5, 70);
+        form.transport(&[Interval::ONE], &[low], &[Interval::ZERO]);
+        assert_eq!(form.states[0][0], 1.0);
+        assert!(form.frame.hull()[0].contains(low));
+    }
+}

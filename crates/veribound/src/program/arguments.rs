@@ -40,6 +40,12 @@ pub enum Command {
     Observe(Box<Observe>),
     /// Make a record of a model with known parameters; its errors are proved to stay in bounds
     Simulate(Box<Simulate>),
+    /// Enclose all solutions of a model with one right-hand side: no record needed, nothing estimated
+    #[command(
+        after_help = "Exit codes: 0 proved to the end, 2 wrong input or usage, 3 not proved (nothing \
+                            is written)."
+    )]
+    Enclose(Box<Enclose>),
     /// Tell what an error code means, why it matters and how to repair it; without a code, list all
     Explain(Explain),
 }
@@ -224,15 +230,9 @@ pub struct Simulate {
     /// New values of parameters from a time on, as in 40:T_Fs=0.2; may be given several times
     #[arg(long, value_name = "SECONDS:NAME=VALUE")]
     pub change: Vec<String>,
-    /// Inputs over time (CSV with a header); each value holds until the next line
-    #[arg(long, value_name = "PROFILE")]
-    pub input: Option<PathBuf>,
-    /// Time of the last sample
-    #[arg(long, value_name = "SECONDS", value_parser = decimal)]
-    pub until: Option<Decimal>,
-    /// Time between two samples; by default the samples are at the times of the profile
-    #[arg(long, value_name = "SECONDS", value_parser = decimal)]
-    pub every: Option<Decimal>,
+    /// When and how long.
+    #[command(flatten)]
+    pub times: Times,
     /// Largest error of a written output, or `worst`: errors at the end of the model's bound with
     /// random signs
     #[arg(long, value_name = "BOUND|worst")]
@@ -252,6 +252,38 @@ pub struct Simulate {
     /// Record to write (CSV); it appears when all of it is proved
     #[arg(short, long, value_name = "RECORD")]
     pub output: PathBuf,
+}
+
+/// Flags of `veribound enclose`.
+#[derive(Debug, Args)]
+pub struct Enclose {
+    /// Model file (TOML); its start boxes, parameter bounds, disturbances and input errors are the set
+    /// of all solutions that are enclosed
+    #[arg(value_name = "MODEL")]
+    pub model: PathBuf,
+    /// When and how long.
+    #[command(flatten)]
+    pub times: Times,
+    /// Parts that the set may be divided into where it is too wide
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = count_up_to(1, 100_000))]
+    pub parts: usize,
+    /// Table to write (CSV): bounds of every state at each time, and over the time since the one before
+    #[arg(short, long, value_name = "TABLE")]
+    pub output: PathBuf,
+}
+
+/// Inputs over time, and the times of the results.
+#[derive(Debug, Args)]
+pub struct Times {
+    /// Inputs over time (CSV with a header); each value holds until the next line
+    #[arg(long, value_name = "PROFILE")]
+    pub input: Option<PathBuf>,
+    /// Time of the last sample
+    #[arg(long, value_name = "SECONDS", value_parser = decimal)]
+    pub until: Option<Decimal>,
+    /// Time between two samples; by default the samples are at the times of the profile
+    #[arg(long, value_name = "SECONDS", value_parser = decimal)]
+    pub every: Option<Decimal>,
 }
 
 /// Arguments of `veribound explain`.

@@ -3,6 +3,7 @@
 mod arguments;
 mod assumptions;
 mod check;
+mod enclose;
 mod ending;
 mod explain;
 mod files;
@@ -37,6 +38,7 @@ pub fn main() -> ExitCode {
         Command::Explain(explain) => explain::run(explain),
         Command::Check(check) => arithmetic().and_then(|()| check::run(check)),
         Command::Observe(observe) => arithmetic().and_then(|()| observe::run(observe)),
+        Command::Enclose(enclose) => arithmetic().and_then(|()| enclose::run(enclose)),
         Command::Simulate(simulate) => arithmetic().and_then(|()| simulate::run(simulate)),
     };
     let ending = done.unwrap_or_else(|problems| {

@@ -1,6 +1,6 @@
 //! The times of a simulated record, and the inputs over time.
 
-use super::arguments::Simulate;
+use super::arguments::Times;
 use super::{progress, same_units};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -43,9 +43,9 @@ struct Point {
 
 impl Profile {
     /// Opens the profile that the flags name.
-    pub fn open(arguments: &Simulate, model: &Model) -> Result<Profile, Diagnostics> {
+    pub fn open(times: &Times, model: &Model) -> Result<Profile, Diagnostics> {
         same_units::of_columns(model)?;
-        let (mut points, last, count) = match &arguments.input {
+        let (mut points, last, count) = match &times.input {
             Some(path) => {
                 let record = check(path, model)?;
                 same_units::of_profile(&record)?;
@@ -63,7 +63,7 @@ impl Profile {
                     .into());
             }
         };
-        if arguments
+        if times
             .every
             .as_ref()
             .is_some_and(|every| *every <= Decimal::zero())
@@ -74,7 +74,7 @@ impl Profile {
                     .into(),
             );
         }
-        if arguments.every.is_none() && count < 2 {
+        if times.every.is_none() && count < 2 {
             return Err(
                 Diagnostic::new("E0607", "the times of the samples are not given")
                     .help("say how long and how often: `--until 10 --every 0.01`")
@@ -91,8 +91,8 @@ impl Profile {
             held: Vec::new(),
             next: Some(from.clone()),
             from,
-            until: arguments.until.clone().unwrap_or(last),
-            every: arguments.every.clone(),
+            until: times.until.clone().unwrap_or(last),
+            every: times.every.clone(),
         })
     }
 

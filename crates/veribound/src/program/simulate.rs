@@ -31,7 +31,7 @@ struct Change {
 /// Simulates, and gives the record its name when all of it is proved.
 pub fn run(arguments: &Simulate) -> Outcome {
     let mut files = vec![("the model file", arguments.model.as_path())];
-    let profile = arguments.input.as_deref();
+    let profile = arguments.times.input.as_deref();
     files.extend(profile.map(|path| ("the profile", path)));
     overwriting::refuse_record(&arguments.output, &files)?;
     let model = Model::from_file(&arguments.model)?;
@@ -39,7 +39,7 @@ pub fn run(arguments: &Simulate) -> Outcome {
     let start = start(&model, &arguments.start)?;
     let changes = changes(&model, &arguments.change)?;
     outside_the_prior(&model, &params, &changes);
-    let mut profile = Profile::open(arguments, &model)?;
+    let mut profile = Profile::open(&arguments.times, &model)?;
     let interrupt = Interrupt::listen();
     let mut file = create(&arguments.output)?;
     let disturbances = disturbances(&model, &arguments.disturbance)?;
@@ -373,10 +373,13 @@ fn header(arguments: &Simulate, model: &Model) -> String {
         .change
         .iter()
         .for_each(|change| flag("change", change.clone()));
-    if let Some(input) = &arguments.input {
+    if let Some(input) = &arguments.times.input {
         flag("input", file(input));
     }
-    for (name, time) in [("until", &arguments.until), ("every", &arguments.every)] {
+    for (name, time) in [
+        ("until", &arguments.times.until),
+        ("every", &arguments.times.every),
+    ] {
         if let Some(time) = time {
             flag(name, time.to_string());
         }
