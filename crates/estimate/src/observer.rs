@@ -18,6 +18,9 @@ use veribound_interval::lanes::{LANES, Mask};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{Model, Sample};
 
+/// Where boxes with different modes are kept apart, the list grows to this many times `L` at most.
+const MOST_LABELS: usize = 4;
+
 /// A box that cannot be integrated is halved, and its halves again, at most this often; so the time
 /// per sample stays bounded.
 const RESCUES: u32 = 4;
@@ -31,8 +34,8 @@ const RESCUES: u32 = 4;
 /// of [`Observer::cells`]. Source: Rauh, Senkel, Aschemann, SCAN 2014; steps numbered as there.
 ///
 /// Cost: memory does not grow with the record. Bisection ends at `L + M` boxes, merging at `L` or
-/// at one box per set of active modes, if there are more of these; the time per sample is bounded
-/// by the number of boxes.
+/// at one box per set of active modes, if there are more of these, but at `4 L` always; the time per
+/// sample is bounded by the number of boxes.
 pub struct Observer {
     options: ObserverOptions,
     system: System,
@@ -249,12 +252,11 @@ impl Observer {
     /// Step 8.
     fn merge(&mut self) {
         self.update_scale();
-        merge(
-            &mut self.cells,
-            self.options.boxes,
-            self.options.merge_across_modes,
-            &self.scale,
-        );
+        let across = self.options.merge_across_modes;
+        merge(&mut self.cells, self.options.boxes, across, &self.scale);
+        // Groups of modes that switch independently multiply the sets of modes there can be.
+        let most = self.options.boxes.saturating_mul(MOST_LABELS);
+        merge(&mut self.cells, most, true, &self.scale);
     }
 
     /// Step 2: `M` bisections, the box of largest volume first, until there are `L + M` boxes.
@@ -317,9 +319,10 @@ impl Observer {
         Ok(())
     }
 
-    /// Moves boxes eight at a time, those with the same modes side by side, into `moved`. What stands
-    /// there for those that could not be integrated means nothing; they are returned by position,
-    /// in order, with the reasons.
+    /// Moves boxes eight at a time, those with the same modes side by side, into `moved`; behind them
+    /// stand more boxes where some solutions jumped and others did not. What stands there for those
+    /// that could not be integrated means nothing; they are returned by position, in order, with the
+    /// reasons.
     fn advance(
         &mut self,
         cells: &[Cell],
@@ -354,6 +357,13 @@ impl Observer {
             batch.store(moved);
             let velocities = self.workspace.velocities();
             self.windows.extend(moved, batch, velocities, dt);
+            for branch in self.workspace.branches() {
+                for (_, position) in batch.positions().filter(|(lane, _)| *lane == branch.lane) {
+                    let mut other = moved[position].clone();
+                    other.z[..branch.states.len()].copy_from_slice(&branch.states);
+                    moved.push(other);
+                }
+            }
         }
         self.batches = batches;
         failed.sort_by_key(|(position, _)| *position);
@@ -371,6 +381,8 @@ impl Observer {
     ) -> Result<Vec<Cell>, (StepFailure, Vec<Interval>)> {
         let mut all = Vec::with_capacity(cells.len() + failed.len());
         let mut failed = failed.iter().peekable();
+        let mut moved = moved;
+        all.extend(moved.split_off(cells.len()));
         for (position, (cell, moved)) in cells.iter().zip(moved).enumerate() {
             match failed.next_if(|(failed, _)| *failed == position) {
                 None => all.push(moved),
@@ -404,6 +416,7 @@ impl Observer {
         halves[1].z[coordinate] = above;
         let mut moved = Vec::new();
         let failed = self.advance(&halves, &mut moved, inputs, dt);
+        all.extend(moved.split_off(halves.len()));
         for (position, (half, moved)) in halves.iter().zip(moved).enumerate() {
             if failed.iter().any(|(failed, _)| *failed == position) {
                 self.rescue(half, halved + 1, inputs, dt, all)?;

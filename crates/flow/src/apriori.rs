@@ -7,7 +7,7 @@
 use crate::advance::advance;
 use crate::guard::InCell;
 use crate::modes::ModeMasks;
-use crate::system::{Registers, System};
+use crate::system::{Choice, Registers, System};
 use veribound_interval::Interval;
 use veribound_interval::lanes::{Floats, Interval8, LANES, Mask};
 
@@ -47,17 +47,18 @@ pub(crate) struct Apriori {
 
 /// Velocities and modes on a candidate box; scratch.
 #[derive(Debug, Clone, Default)]
-struct Candidate {
-    velocity: Vec<Interval8>,
+pub(crate) struct Candidate {
+    pub(crate) velocity: Vec<Interval8>,
     modes: ModeMasks,
+    flowing: Vec<Interval8>,
     clipped: Vec<Interval8>,
 }
 
 impl System {
-    /// Encloses `F(q)` on the boxes in `lanes`: for each state the hull of the right-hand sides of
-    /// all modes whose closed guard meets the box, each taken on the part of the box it is active
-    /// on. Returns the boxes on which that is bounded; `failed` says why the others have none.
-    fn velocity(
+    /// Encloses `F(q)` on the boxes in `lanes`, as far as solutions flow there: for each state the
+    /// hull of the right-hand sides of all modes whose closed guard meets the box, each taken on the
+    /// part of the box it is active on. Returns the boxes on which that is bounded; `failed` says why the others have none.
+    pub(crate) fn velocity(
         &self,
         q: &[Interval8],
         lanes: Mask,
@@ -68,6 +69,7 @@ impl System {
         let Candidate {
             velocity,
             modes,
+            flowing,
             clipped,
         } = candidate;
         velocity.clear();
@@ -81,9 +83,16 @@ impl System {
             }
             *left = left.without(lanes);
         };
+        flowing.clear();
+        flowing.extend_from_slice(q);
+        let flows = self
+            .guards
+            .clip_to_flow(flowing, left, in_cell, &mut registers.guards);
+        let only_jumps = left.without(flows);
+        fail(&mut left, only_jumps, AprioriFailure::NoMode);
         for mode in 0..self.mode_count() {
             clipped.clear();
-            clipped.extend_from_slice(q);
+            clipped.extend_from_slice(flowing);
             let active = self
                 .guards
                 .clip(mode, clipped, left, in_cell, &mut registers.guards);
@@ -91,7 +100,7 @@ impl System {
                 continue;
             }
             modes.insert(mode, active);
-            for (state, &choice) in self.choice[mode].iter().enumerate() {
+            for &Choice { state, rhs: choice } in &self.governed[mode] {
                 let rhs = &self.right_hand_sides[state][choice];
                 let tape_registers = &mut registers.value[state][choice];
                 let regular = rhs.value.eval(clipped, tape_registers);
@@ -104,8 +113,10 @@ impl System {
                 velocity[state].assign(active, &hull);
             }
         }
-        let without_mode = left.without(modes.any());
-        fail(&mut left, without_mode, AprioriFailure::NoMode);
+        for group in &self.groups {
+            let without_mode = left.without(modes.any_of(group.clone()));
+            fail(&mut left, without_mode, AprioriFailure::NoMode);
+        }
         left
     }
 

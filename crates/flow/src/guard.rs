@@ -33,10 +33,12 @@ pub(crate) enum Condition {
     Any(Vec<Condition>),
 }
 
-/// All guards of a model.
+/// All guards of a model: those of its modes, then those of its jumps.
 #[derive(Debug, Clone)]
 pub(crate) struct Guards {
     pub(crate) conditions: Vec<Condition>,
+    /// Where solutions flow.
+    flows: Condition,
     pub(crate) levels: Vec<Levels>,
     tapes: Vec<Tape>,
 }
@@ -78,16 +80,18 @@ impl Builder<'_> {
         Some((level.state, level.value, relation))
     }
 
-    fn collect_levels(&mut self, guard: &Guard) {
+    fn collect_levels(&mut self, guard: &Guard, wanted: &dyn Fn(usize) -> bool) {
         match guard {
             Guard::Always => {}
             Guard::All(parts) | Guard::Any(parts) => {
                 for part in parts {
-                    self.collect_levels(part);
+                    self.collect_levels(part, wanted);
                 }
             }
             Guard::Atom { expr, relation } => {
-                if let Some((state, level, _)) = self.level(*expr, *relation) {
+                if let Some((state, level, _)) = self.level(*expr, *relation)
+                    && wanted(state)
+                {
                     self.levels[state].insert(level);
                 }
             }
@@ -176,7 +180,12 @@ fn closed_region(relation: Relation) -> Interval {
 }
 
 impl Guards {
-    pub(crate) fn compile(graph: &mut Graph, layout: Layout, guards: &[&Guard]) -> Guards {
+    pub(crate) fn compile(
+        graph: &mut Graph,
+        layout: Layout,
+        (modes, jumps, flows): (&[&Guard], &[&Guard], &Guard),
+        jumping: &[bool],
+    ) -> Guards {
         let mut builder = Builder {
             graph,
             layout,
@@ -184,12 +193,16 @@ impl Guards {
             tapes: Vec::new(),
             known: Vec::new(),
         };
-        for guard in guards {
-            builder.collect_levels(guard);
+        for guard in modes {
+            builder.collect_levels(guard, &|_| true);
         }
-        let conditions = guards.iter().map(|guard| builder.compile(guard)).collect();
+        // A wall stops a state that flows against it; a state that jumps passes its levels smoothly.
+        builder.collect_levels(flows, &|state| !jumping[state]);
+        let guards = modes.iter().chain(jumps);
+        let conditions = guards.map(|guard| builder.compile(guard)).collect();
         Guards {
             conditions,
+            flows: builder.compile(flows),
             levels: builder.levels,
             tapes: builder.tapes,
         }
@@ -261,6 +274,17 @@ impl Guards {
                 any
             }
         }
+    }
+
+    /// As [`Guards::clip`], for the region in which solutions flow.
+    pub(crate) fn clip_to_flow(
+        &self,
+        q: &mut [Interval8],
+        lanes: Mask,
+        in_cell: InCell,
+        registers: &mut GuardRegisters,
+    ) -> Mask {
+        self.clip_condition(&self.flows, q, lanes, in_cell, registers)
     }
 
     /// Closed reading: cuts the boxes in `lanes` down to ones that contain every point in the

@@ -9,6 +9,7 @@ mod apriori;
 mod face;
 pub mod form;
 mod guard;
+mod jump;
 mod levels;
 mod modes;
 mod side;
@@ -16,6 +17,7 @@ mod step;
 mod system;
 
 pub use apriori::AprioriFailure;
+pub use jump::reduced;
 pub use modes::ModeSet;
-pub use step::{StepFailure, StepOptions, StepReport, Workspace};
+pub use step::{Branch, StepFailure, StepOptions, StepReport, Workspace};
 pub use system::{Integral, System};

@@ -1,5 +1,6 @@
 //! Sets of modes.
 
+use std::ops::Range;
 use veribound_interval::lanes::{LANES, Mask};
 
 /// A set of modes of one model, by their position in [`veribound_model::Model::modes`].
@@ -87,18 +88,15 @@ impl ModeMasks {
         }
     }
 
-    /// The modes that some of `lanes` have, and which of them.
-    pub(crate) fn on(&self, lanes: Mask) -> impl Iterator<Item = (usize, Mask)> + '_ {
-        self.0
-            .iter()
-            .map(move |mask| *mask & lanes)
-            .enumerate()
-            .filter(|(_, mask)| !mask.none())
+    /// The boxes that have a mode.
+    pub(crate) fn of(&self, mode: usize) -> Mask {
+        self.0.get(mode).copied().unwrap_or(Mask::NONE)
     }
 
-    /// The boxes that have some mode.
-    pub(crate) fn any(&self) -> Mask {
-        self.0.iter().fold(Mask::NONE, |all, mask| all | *mask)
+    /// The boxes that have some mode of a group.
+    pub(crate) fn any_of(&self, group: Range<usize>) -> Mask {
+        let masks = self.0.get(group).unwrap_or_default();
+        masks.iter().fold(Mask::NONE, |all, mask| all | *mask)
     }
 
     /// The set of every box.

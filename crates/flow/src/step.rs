@@ -70,9 +70,10 @@ pub struct Workspace {
     options: StepOptions,
     q: Vec<Interval8>,
     apriori: Apriori,
-    registers: Registers,
+    pub(crate) registers: Registers,
     faces: Faces,
     modes: ModeMasks,
+    branches: Vec<Branch>,
     divisions: Vec<Division>,
     end: Vec<Interval8>,
     part_tube: Vec<Interval8>,
@@ -97,6 +98,7 @@ impl Workspace {
             registers: system.registers(options.order + 1),
             faces: Faces::new(system, options.order),
             modes: ModeMasks::default(),
+            branches: Vec::new(),
             divisions: Vec::new(),
             end: vec![Interval8::ZERO; states],
             part_tube: vec![Interval8::ZERO; states],
@@ -118,6 +120,11 @@ impl Workspace {
         &self.velocity
     }
 
+    /// After [`System::step_eight`]: boxes that belong to the end of a step beside the ones it was given.
+    pub fn branches(&self) -> &[Branch] {
+        &self.branches
+    }
+
     /// After [`System::step_eight`]: as [`Workspace::tube`], for every box that was moved; of the other
     /// lanes it says nothing.
     pub fn tubes(&self) -> &[Interval8] {
@@ -129,6 +136,16 @@ impl Workspace {
     pub fn velocities(&self) -> &[Interval8] {
         &self.velocities
     }
+}
+
+/// One more box at the end of a step that jumps, for a box of which some solutions jumped and others
+/// did not, or some earlier and some later.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Branch {
+    /// Where the box stood among the eight.
+    pub lane: usize,
+    /// One interval per state.
+    pub states: Vec<Interval>,
 }
 
 /// Boxes whose step is under way in parts of equal length, `done` of `parts` behind them.
@@ -146,7 +163,8 @@ impl System {
     /// Guarantee: for every start state in `states`, every constant parameter in `params`, every
     /// measurable input with values in `inputs` and every length in `dt`, every Filippov solution
     /// of the model lies in the new `states` at the end and in [`Workspace::tube`] at all times
-    /// between. On failure `states` is unchanged.
+    /// between. On failure `states` is unchanged. Where solutions may or may not have jumped, `states` is
+    /// the hull of [`System::step_eight`]'s boxes.
     ///
     /// Cost: that of [`System::step_eight`], which moves eight boxes in the same time, and one
     /// allocation.
@@ -158,25 +176,57 @@ impl System {
         dt: Interval,
         workspace: &mut Workspace,
     ) -> Result<StepReport, StepFailure> {
+        let (report, ends) = self.step_one(states, params, inputs, dt, workspace);
+        if report.is_ok() {
+            for (i, x) in states.iter_mut().enumerate() {
+                *x = ends
+                    .iter()
+                    .fold(Interval::EMPTY, |hull, end| hull.hull(end[i]));
+            }
+        }
+        report
+    }
+
+    /// As [`System::step`], with the boxes at the end apart where some solutions jumped and others did
+    /// not.
+    pub fn step_apart(
+        &self,
+        states: &[Interval],
+        params: &[Interval],
+        inputs: &[Interval],
+        dt: Interval,
+        workspace: &mut Workspace,
+    ) -> Result<Vec<Vec<Interval>>, StepFailure> {
+        let (report, ends) = self.step_one(states, params, inputs, dt, workspace);
+        report.map(|_| ends)
+    }
+
+    fn step_one(
+        &self,
+        states: &[Interval],
+        params: &[Interval],
+        inputs: &[Interval],
+        dt: Interval,
+        w: &mut Workspace,
+    ) -> (Result<StepReport, StepFailure>, Vec<Vec<Interval>>) {
         let splat = |x: &Interval| Interval8::splat(*x);
         let mut boxes: Vec<Interval8> = states.iter().chain(params).map(splat).collect();
-        let [report, ..] = self.step_eight(&mut boxes, Mask::lane(0), inputs, dt, workspace);
-        let w = workspace;
-        let first = |to: &mut [Interval], from: &[Interval8]| {
-            for (to, from) in to.iter_mut().zip(from) {
-                *to = from.get(0);
-            }
+        let [report, ..] = self.step_eight(&mut boxes, Mask::lane(0), inputs, dt, w);
+        let first = |list: &[Interval8]| -> Vec<Interval> {
+            let list = list.iter().take(states.len());
+            list.map(|x| x.get(0)).collect()
         };
-        first(states, &boxes);
-        first(&mut w.tube, &w.tubes);
-        first(&mut w.velocity, &w.velocities);
-        report
+        (w.tube, w.velocity) = (first(&w.tubes), first(&w.velocities));
+        let branches = w.branches.iter().map(|branch| branch.states.clone());
+        let ends = std::iter::once(first(&boxes)).chain(branches).collect();
+        (report, ends)
     }
 
     /// Moves the boxes in `lanes` over `dt` seconds. `boxes` holds the states, then the parameters.
     ///
-    /// Guarantee: that of [`System::step`] for every box; what becomes of one does not depend on
-    /// its neighbours. The results of the other lanes mean nothing.
+    /// Guarantee: that of [`System::step`] for every box, the end being the new box together with its
+    /// [`Workspace::branches`]; what becomes of one does not depend on its neighbours. The results of the
+    /// other lanes mean nothing.
     ///
     /// Cost: one a-priori box and two bounds per state for all eight boxes together; no allocation.
     pub fn step_eight(
@@ -189,11 +239,83 @@ impl System {
     ) -> [Result<StepReport, StepFailure>; LANES] {
         let n = self.layout.states;
         let w = workspace;
+        w.branches.clear();
+        let start = (!self.jumps.is_empty()).then(|| boxes.to_vec());
+        let mut failed = self.flow_eight(boxes, lanes, inputs, dt, w);
+        if let Some(start) = start {
+            self.jump_eight(&start, boxes, lanes, inputs, dt, w, &mut failed);
+        }
+        let moved = lanes & Mask::from_fn(|lane| failed[lane].is_none());
+        w.q[..n].copy_from_slice(&w.tubes);
+        self.modes_on(&w.q, moved, &mut w.modes, &mut w.registers);
+        let modes = w.modes.sets();
+        std::array::from_fn(|lane| match failed[lane] {
+            Some(failure) => Err(failure),
+            None => Ok(StepReport {
+                modes_during: modes[lane],
+            }),
+        })
+    }
+
+    /// Replaces the flows of boxes that may jump by flights.
+    #[allow(clippy::too_many_arguments, reason = "a part of step_eight")]
+    fn jump_eight(
+        &self,
+        start: &[Interval8],
+        boxes: &mut [Interval8],
+        lanes: Mask,
+        inputs: &[Interval],
+        dt: Interval,
+        w: &mut Workspace,
+        failed: &mut [Option<StepFailure>; LANES],
+    ) {
+        let n = self.layout.states;
+        let flown = lanes & Mask::from_fn(|lane| failed[lane].is_none());
+        let tubes = w.tubes.clone();
+        let velocities = w.velocities.clone();
+        let all_jumped = boxes.iter().fold(Mask::NONE, |all, x| all | x.is_empty());
+        let jumping = self.may_jump(&tubes, start, inputs, flown, w) | (flown & all_jumped);
+        let mut result = (tubes, velocities);
+        for lane in (lanes & (jumping | !flown)).lanes() {
+            let own: Vec<Interval> = start.iter().map(|x| x.get(lane)).collect();
+            let (states, params) = own.split_at(n);
+            let parts = w.least_parts(dt);
+            match self.fly(states, params, inputs, (dt, parts), w) {
+                Err(failure) => failed[lane] = Some(failure),
+                Ok(flight) => {
+                    failed[lane] = None;
+                    for state in 0..n {
+                        result.0[state].set(lane, flight.tube[state]);
+                        result.1[state].set(lane, flight.velocity[state]);
+                    }
+                    let mut ends = flight.ends.into_iter();
+                    for (x, end) in boxes.iter_mut().zip(ends.next().unwrap_or_default()) {
+                        x.set(lane, end);
+                    }
+                    w.branches
+                        .extend(ends.map(|states| Branch { lane, states }));
+                }
+            }
+        }
+        (w.tubes, w.velocities) = result;
+    }
+
+    /// As [`System::step_eight`], without jumps: what holds until the first one. The end is empty where
+    /// every solution has jumped before.
+    pub(crate) fn flow_eight(
+        &self,
+        boxes: &mut [Interval8],
+        lanes: Mask,
+        inputs: &[Interval],
+        dt: Interval,
+        w: &mut Workspace,
+    ) -> [Option<StepFailure>; LANES] {
+        let n = self.layout.states;
         w.load(boxes, inputs);
         w.tubes.copy_from_slice(&boxes[..n]);
         w.velocities.fill(Interval8::EMPTY);
         let mut failed = [None; LANES];
-        let least_parts = (dt.hi() / w.options.longest).ceil().clamp(1.0, MOST_PARTS) as u64;
+        let least_parts = w.least_parts(dt);
         w.divisions.clear();
         w.divisions.push(Division {
             lanes,
@@ -217,6 +339,11 @@ impl System {
                     let velocity = w.velocities[state].hull(&w.apriori.velocity[state]);
                     w.velocities[state].assign(moved, &velocity);
                 }
+                let moved_on = moved.without(
+                    w.q[..n]
+                        .iter()
+                        .fold(Mask::NONE, |gone, x| gone | x.is_empty()),
+                );
                 let again = if now.halvings < w.options.halvings {
                     let halve = |lane: usize| matches!(failed[lane], Some(StepFailure::Apriori(_)));
                     now.lanes.without(moved) & Mask::from_fn(halve)
@@ -234,22 +361,14 @@ impl System {
                         halvings: now.halvings + 1,
                     });
                 }
-                now.lanes = moved;
+                now.lanes = moved_on;
             }
         }
         let moved = lanes & Mask::from_fn(|lane| failed[lane].is_none());
         for (x, end) in boxes.iter_mut().zip(&w.q[..n]) {
             x.assign(moved, end);
         }
-        w.q[..n].copy_from_slice(&w.tubes);
-        self.modes_on(&w.q, moved, &mut w.modes, &mut w.registers);
-        let modes = w.modes.sets();
-        std::array::from_fn(|lane| match failed[lane] {
-            Some(failure) => Err(failure),
-            None => Ok(StepReport {
-                modes_during: modes[lane],
-            }),
-        })
+        failed
     }
 
     /// One step without division: moves the states in `w.q` of the returned lanes; `failed` says
@@ -289,8 +408,14 @@ impl System {
             }
             *moved = moved.without(lanes);
         };
+        // Bounds pass each other only where a jump ended the last flow before the end of the step.
+        let mut gone = Mask::NONE;
         for end in &w.end {
-            fail(&mut moved, !end.is_bounded(), StepFailure::Unbounded);
+            gone |= moved & end.is_empty();
+        }
+        for end in &w.end {
+            let unbounded = (!end.is_bounded()).without(gone);
+            fail(&mut moved, unbounded, StepFailure::Unbounded);
         }
         if let Some(domain) = &self.domain {
             let inputs = &w.q[n + self.layout.params..];
@@ -309,6 +434,7 @@ impl System {
         }
         for (x, end) in w.q.iter_mut().zip(&w.end) {
             x.assign(moved, end);
+            x.assign(moved & gone, &Interval8::EMPTY);
         }
         moved
     }
@@ -334,6 +460,18 @@ impl System {
 }
 
 impl Workspace {
+    /// How many parts a stretch of time is divided into at least.
+    fn least_parts(&self, dt: Interval) -> u64 {
+        (dt.hi() / self.options.longest)
+            .ceil()
+            .clamp(1.0, MOST_PARTS) as u64
+    }
+
+    /// How often a step may be halved.
+    pub(crate) fn halvings(&self) -> u32 {
+        self.options.halvings
+    }
+
     fn load(&mut self, boxes: &[Interval8], inputs: &[Interval]) {
         let (z, u) = self.q.split_at_mut(boxes.len());
         z.copy_from_slice(boxes);

@@ -5,7 +5,9 @@
 )]
 
 use crate::guard::{GuardRegisters, Guards};
+use crate::jump::{JumpRegisters, Jumps};
 use crate::modes::ModeMasks;
+use std::ops::Range;
 use veribound_interval::Interval;
 use veribound_interval::lanes::{Interval8, Mask};
 use veribound_model::{
@@ -41,16 +43,31 @@ pub struct System {
     pub(crate) guards: Guards,
     /// `right_hand_sides[i]` are the distinct derivatives of state `i`.
     pub(crate) right_hand_sides: Vec<Vec<RightHandSide>>,
-    /// `choice[m][i]` is the position in `right_hand_sides[i]` that mode `m` uses.
-    pub(crate) choice: Vec<Vec<usize>>,
+    /// What mode `m` gives the states it governs.
+    pub(crate) governed: Vec<Vec<Choice>>,
+    /// `governing[i]` are the modes that govern state `i`, each with the position in
+    /// `right_hand_sides[i]` that it uses.
+    pub(crate) governing: Vec<Vec<(usize, usize)>>,
+    /// Modes of which at any time one acts, group by group.
+    pub(crate) groups: Vec<Range<usize>>,
     /// Where the guards are proved to leave no gap; `None` when that is everywhere, or unproved
     /// (then the model's own text has to be trusted, and `check` says so).
     pub(crate) domain: Option<Domain>,
+    pub(crate) jumps: Jumps,
     /// See [`System::integrals`].
     integrals: Vec<Integral>,
 }
 
-/// One state is the integral of another one in every mode, as an angle is of its angular velocity.
+/// The right-hand side a mode gives a state.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Choice {
+    pub(crate) state: usize,
+    /// Position in `right_hand_sides[state]`.
+    pub(crate) rhs: usize,
+}
+
+/// One state is the integral of another one in every mode, as an angle is of its angular velocity,
+/// and neither jumps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Integral {
     /// The state whose derivative is the other one.
@@ -74,6 +91,7 @@ pub(crate) struct Registers {
     /// Two per state (lower, upper bound) and right-hand side, since bounds advance side by side.
     pub(crate) series: Vec<Vec<[Coefficients<Interval8>; 2]>>,
     pub(crate) guards: GuardRegisters,
+    pub(crate) jumps: JumpRegisters,
 }
 
 impl System {
@@ -83,22 +101,28 @@ impl System {
     pub fn new(model: &Model) -> System {
         let layout = model.layout();
         let mut graph = model.graph.clone();
-        let mut derivatives: Vec<Vec<ExprId>> =
-            model.modes.iter().map(|mode| mode.der.clone()).collect();
+        let mut derivatives: Vec<Vec<(usize, ExprId)>> = (0..model.modes.len())
+            .map(|mode| model.governed(mode).collect())
+            .collect();
         agree_on_guards(&mut graph, model, &mut derivatives);
         let mut right_hand_sides: Vec<Vec<RightHandSide>> = vec![Vec::new(); layout.states];
-        let mut choice = vec![vec![0; layout.states]; derivatives.len()];
+        let mut governing = vec![Vec::new(); layout.states];
+        let mut governed = Vec::new();
         for (mode, der) in derivatives.iter().enumerate() {
-            for (state, &expr) in der.iter().enumerate() {
+            let mut choices = Vec::new();
+            for &(state, expr) in der {
                 let known = &mut right_hand_sides[state];
                 let position = known.iter().position(|rhs| rhs.expr == expr);
-                choice[mode][state] = position.unwrap_or_else(|| {
+                let rhs = position.unwrap_or_else(|| {
                     known.push(RightHandSide::compile(&mut graph, layout, state, expr));
                     known.len() - 1
                 });
+                governing[state].push((mode, rhs));
+                choices.push(Choice { state, rhs });
             }
+            governed.push(choices);
         }
-        let integrals = (0..layout.states)
+        let mut integrals: Vec<Integral> = (0..layout.states)
             .filter_map(|state| match right_hand_sides[state][..] {
                 [ref only] => match *graph.node(only.expr) {
                     Node::Var(Var::State(rate)) => Some(Integral { state, rate }),
@@ -107,7 +131,11 @@ impl System {
                 _ => None,
             })
             .collect();
-        let conditions: Vec<&Guard> = model.modes.iter().map(|mode| &mode.guard).collect();
+        let of_modes: Vec<&Guard> = model.modes.iter().map(|mode| &mode.guard).collect();
+        let of_jumps: Vec<&Guard> = model.jumps.iter().map(|jump| &jump.guard).collect();
+        let jumping: Vec<bool> = (0..layout.states)
+            .map(|state| model.jumps_in(state))
+            .collect();
         let domain = match &model.coverage {
             Coverage::InDomain { states, inputs } => Some(Domain {
                 states: states.clone(),
@@ -115,13 +143,27 @@ impl System {
             }),
             Coverage::Everywhere | Coverage::Unproved(_) => None,
         };
-        let guards = Guards::compile(&mut graph, layout, &conditions);
+        let guards = Guards::compile(
+            &mut graph,
+            layout,
+            (&of_modes, &of_jumps, &model.flows),
+            &jumping,
+        );
+        let jumps = Jumps::compile(&mut graph, layout, model, &integrals);
+        integrals.retain(|pair| !model.jumps_in(pair.state) && !model.jumps_in(pair.rate));
         System {
             layout,
             guards,
             right_hand_sides,
-            choice,
+            governed,
+            governing,
+            groups: model
+                .groups
+                .iter()
+                .map(|group| group.modes.clone())
+                .collect(),
             domain,
+            jumps,
             integrals,
         }
     }
@@ -138,7 +180,7 @@ impl System {
 
     /// Number of modes.
     pub fn mode_count(&self) -> usize {
-        self.choice.len()
+        self.governed.len()
     }
 
     pub(crate) fn registers(&self, order: usize) -> Registers {
@@ -166,6 +208,7 @@ impl System {
                 })
                 .collect(),
             guards: self.guards.registers(),
+            jumps: self.jumps.registers(),
         }
     }
 
@@ -232,25 +275,22 @@ impl RightHandSide {
 /// they are the same number, and outside of it the mode's right-hand side is never part of the
 /// inclusion. The standing rig's `phi' = 0` becomes `phi' = omega` this way, so that the angle has
 /// one smooth right-hand side in all modes.
-fn agree_on_guards(graph: &mut Graph, model: &Model, derivatives: &mut [Vec<ExprId>]) {
-    for (mode, description) in model.modes.iter().enumerate() {
-        let mut equalities = Vec::new();
-        demanded_equalities(graph, &description.guard, &mut equalities);
-        if equalities.is_empty() {
-            continue;
-        }
-        #[allow(
-            clippy::needless_range_loop,
-            reason = "two modes are indexed by the same state"
-        )]
-        for state in 0..model.states.len() {
-            let own = derivatives[mode][state];
-            let own = put_levels(graph, own, &equalities);
-            for other in 0..model.modes.len() {
-                let candidate = derivatives[other][state];
-                if other != mode && put_levels(graph, candidate, &equalities) == own {
-                    derivatives[mode][state] = candidate;
-                    break;
+fn agree_on_guards(graph: &mut Graph, model: &Model, derivatives: &mut [Vec<(usize, ExprId)>]) {
+    for group in &model.groups {
+        for mode in group.modes.clone() {
+            let mut equalities = Vec::new();
+            demanded_equalities(graph, &model.modes[mode].guard, &mut equalities);
+            if equalities.is_empty() {
+                continue;
+            }
+            for position in 0..group.states.len() {
+                let own = put_levels(graph, derivatives[mode][position].1, &equalities);
+                for other in group.modes.clone() {
+                    let candidate = derivatives[other][position].1;
+                    if other != mode && put_levels(graph, candidate, &equalities) == own {
+                        derivatives[mode][position].1 = candidate;
+                        break;
+                    }
                 }
             }
         }

@@ -274,6 +274,66 @@ fn settings_give_enclosures_that_meet() {
     }
 }
 
+/// Two masses with friction as two groups of three modes, and written as the nine modes of the
+/// whole: bounds of one are those of the other.
+#[test]
+fn groups_of_modes_are_their_product() {
+    let law = |head: &str| {
+        format!(
+            r#"
+            format = 1
+            states = ["x", "v", "w"]
+            inputs = ["u"]
+            init = {{ x = 0, v = 0, w = 0 }}
+            params = {{ k = [0.5, 2], T = [0, 0.5], S = [0, 0.5] }}
+            outputs = {{ y = "x +- 1" }}
+            {head}
+            x = "v - w"
+            v = "u - k*x - friction(v, u - k*x, T)"
+            w = "k*x - 0.1*w - friction(w, k*x, S)"
+            "#
+        )
+    };
+    let grouped = law("[der]");
+    let product = law("modes.all.when = 'true'\n[modes.all.der]");
+    let stepper = |text: &str, groups, modes| {
+        let model = read("two masses", text);
+        assert_eq!((model.groups.len(), model.modes.len()), (groups, modes));
+        let system = System::new(&model);
+        let workspace = Workspace::new(&system, StepOptions::default());
+        Stepper { system, workspace }
+    };
+    let mut grouped = stepper(&grouped, 3, 7);
+    let mut product = stepper(&product, 1, 9);
+    let mut rng = Rng(11);
+    let mut sticking = 0;
+    for case in 0..2000 {
+        let near = |rng: &mut Rng| range(rng, (-0.3, 0.3), &[0.0, 0.0, -0.01, 0.01]);
+        let from = Boxes {
+            states: (0..3).map(|_| near(&mut rng)).collect(),
+            params: vec![
+                range(&mut rng, (0.5, 2.0), &[]),
+                range(&mut rng, (0.0, 0.5), &[0.0]),
+                range(&mut rng, (0.0, 0.5), &[0.0]),
+            ],
+            inputs: vec![near(&mut rng)],
+        };
+        let h = rng.pick(&STEPS);
+        let (Some(a), Some(b)) = (grouped.step(&from, h), product.step(&from, h)) else {
+            panic!("case {case}: {from:?}", from = from.states);
+        };
+        for (a, b) in a.0.iter().chain(&a.1).zip(b.0.iter().chain(&b.1)) {
+            let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (1.0 + a.abs());
+            assert!(
+                near(a.lo(), b.lo()) && near(a.hi(), b.hi()),
+                "case {case}: {a} and {b}"
+            );
+        }
+        sticking += usize::from(a.0[1] == Interval::ZERO);
+    }
+    assert!(sticking > 50, "hardly any case sticks: {sticking}");
+}
+
 /// A step says the same again, whatever its scratch was used for before.
 #[test]
 fn scratch_leaves_no_trace() {

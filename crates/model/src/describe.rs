@@ -2,7 +2,7 @@
 
 use crate::facts::ModeFacts;
 use crate::graph::{Binary, ExprId, Names, Node};
-use crate::model::{Coverage, ErrorBound, Guard, Mode, Model, Relation, Signal};
+use crate::model::{Coverage, ErrorBound, Guard, Model, Relation, Signal};
 use std::collections::HashMap;
 use std::fmt::Write;
 use veribound_interval::{Decimal, Interval, text};
@@ -26,9 +26,10 @@ impl Model {
             .map(|mode| length(&mode.name))
             .max()
             .unwrap_or(0);
-        for mode in &self.modes {
+        for mode in 0..self.modes.len() {
             self.describe_mode(mode, width, &names, &mut out);
         }
+        self.describe_jumps(&names, &mut out);
         self.describe_facts(&mut out);
         out.push('\n');
         let line = match &self.coverage {
@@ -64,6 +65,7 @@ impl Model {
             count(self.modes.len(), "mode"),
         ];
         for (n, what) in [
+            (self.jumps.len(), "jump"),
             (self.signals.len(), "signal"),
             (self.disturbances().count(), "disturbance"),
         ] {
@@ -191,7 +193,10 @@ impl Model {
         }
     }
 
-    fn describe_mode(&self, mode: &Mode, width: usize, names: &Names, out: &mut String) {
+    fn describe_mode(&self, number: usize, width: usize, names: &Names, out: &mut String) {
+        let Some(mode) = self.modes.get(number) else {
+            return;
+        };
         let guard = match &mode.guard {
             Guard::Always => "always".to_string(),
             guard => format!("when {}", self.shown_guard(guard, names, false)),
@@ -205,16 +210,37 @@ impl Model {
             .map(|state| length(&state.name))
             .max()
             .unwrap_or(0);
-        for (state, e) in self.states.iter().zip(&mode.der) {
+        for (state, e) in self.governed(number) {
+            let Some(state) = self.states.get(state) else {
+                continue;
+            };
             let gap = blanks(&state.name, longest);
             let _ = writeln!(
                 out,
                 "  {}  {}'{gap} = {}",
                 " ".repeat(width),
                 state.name,
-                self.shown(*e, names)
+                self.shown(e, names)
             );
         }
+    }
+
+    fn describe_jumps(&self, names: &Names, out: &mut String) {
+        if self.jumps.is_empty() {
+            return;
+        }
+        let rows = self.jumps.iter().map(|jump| {
+            let set = jump.set.iter().filter_map(|(state, value)| {
+                let state = &self.states.get(*state)?.name;
+                Some(format!("{state} becomes {}", self.shown(*value, names)))
+            });
+            vec![
+                jump.name.clone(),
+                format!("when {}:", self.shown_guard(&jump.guard, names, false)),
+                set.collect::<Vec<_>>().join(", "),
+            ]
+        });
+        section(out, "jumps", rows.collect());
     }
 
     /// What is proved about the right-hand sides; modes of which the same is known share a line.
@@ -222,7 +248,7 @@ impl Model {
         let facts = self.facts();
         let mut rows: Vec<(Vec<&str>, [String; 2])> = Vec::new();
         for (mode, facts) in self.modes.iter().zip(&facts.modes) {
-            let told = [properties(facts), self.slopes(facts)];
+            let told = [properties(facts, self.states.len()), self.slopes(facts)];
             match rows.iter_mut().find(|(_, known)| *known == told) {
                 Some((names, _)) => names.push(&mode.name),
                 None => rows.push((vec![&mode.name], told)),
@@ -247,7 +273,10 @@ impl Model {
     /// Which derivatives rise or fall with which states.
     fn slopes(&self, facts: &ModeFacts) -> String {
         let mut parts = Vec::new();
-        for (state, row) in self.states.iter().zip(&facts.jacobian) {
+        for (state, row) in facts.rows() {
+            let Some(state) = self.states.get(state) else {
+                continue;
+            };
             let with = |wanted: Slope| {
                 let both = self.states.iter().zip(row);
                 let named = both.filter(|(_, slope)| Slope::of(**slope) == wanted);
@@ -357,7 +386,7 @@ impl Slope {
 }
 
 /// The properties of a mode that engines look for.
-fn properties(facts: &ModeFacts) -> String {
+fn properties(facts: &ModeFacts, states: usize) -> String {
     let mut parts = vec![match (facts.affine_in_states, facts.affine_in_params) {
         (true, true) => "affine in the states, and in the parameters".to_string(),
         (true, false) => "affine in the states".to_string(),
@@ -368,7 +397,7 @@ fn properties(facts: &ModeFacts) -> String {
         parts.push("cooperative".to_string());
     }
     let expansion = facts.expansion();
-    if expansion.is_finite() {
+    if expansion.is_finite() && facts.states.len() == states {
         let rate = text::upper(expansion, 3);
         parts.push(format!("solutions part at most like exp({rate} t)"));
     }

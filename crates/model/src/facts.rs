@@ -1,7 +1,7 @@
 //! What is proved about the right-hand sides of a model: which structure an engine may rely on.
 
 use crate::graph::{ExprId, Graph, Node, Unary, Var};
-use crate::model::{Mode, Model};
+use crate::model::Model;
 use veribound_interval::Interval;
 
 /// What is proved about a model for all states and inputs in their declared domains (everywhere, where
@@ -25,7 +25,10 @@ pub struct ModeFacts {
     pub affine_in_states: bool,
     /// Every derivative is an affine function of the parameters, for fixed states and inputs.
     pub affine_in_params: bool,
-    /// `jacobian[i][j]` encloses the derivative of the right-hand side of state `i` by state `j`.
+    /// The states the mode governs.
+    pub states: Vec<usize>,
+    /// `jacobian[i][j]` encloses the derivative of the right-hand side of state `states[i]` by state
+    /// `j`.
     pub jacobian: Vec<Vec<Interval>>,
 }
 
@@ -37,16 +40,22 @@ impl ModeFacts {
             let others = row.iter().enumerate().filter(|(j, _)| *j != i);
             others.into_iter().all(|(_, slope)| slope.lo() >= 0.0)
         };
-        let rows = self.jacobian.iter().enumerate();
-        rows.into_iter().all(|(i, row)| rises(i, row))
+        self.rows().all(|(i, row)| rises(i, row))
     }
 
-    /// A one-sided Lipschitz constant in the maximum norm, per second: two solutions of this mode with
-    /// equal parameters and inputs part at most like `exp(constant * t)`. Infinite where none is
-    /// proved. Source: the logarithmic norm, Dahlquist 1958.
+    /// The governed states, each with its row of the Jacobian.
+    pub fn rows(&self) -> impl Iterator<Item = (usize, &[Interval])> {
+        let rows = self.jacobian.iter().map(Vec::as_slice);
+        self.states.iter().copied().zip(rows)
+    }
+
+    /// A one-sided Lipschitz constant in the maximum norm, per second: two solutions in modes for
+    /// which this is at most `constant`, in all groups, with equal parameters and inputs, part at most
+    /// like `exp(constant * t)`. Infinite where none is proved. Source: the logarithmic norm, Dahlquist
+    /// 1958.
     pub fn expansion(&self) -> f64 {
         let mut largest = f64::NEG_INFINITY;
-        for (i, row) in self.jacobian.iter().enumerate() {
+        for (i, row) in self.rows() {
             let mut sum = Interval::ZERO;
             for (j, slope) in row.iter().enumerate() {
                 let bound = if i == j { slope.hi() } else { slope.mag() };
@@ -68,12 +77,12 @@ impl Model {
     pub fn facts(&self) -> Facts {
         let mut graph = self.graph.clone();
         let switching = (0..self.states.len()).filter(|state| {
-            let mut all = self.modes.iter().map(|mode| mode.der.get(*state));
+            let mut all = self.governing(*state).map(|(_, rhs)| rhs);
             let first = all.next();
             all.any(|other| Some(other) != first)
         });
         let switching = switching.collect();
-        let modes = self.modes.iter();
+        let modes = 0..self.modes.len();
         Facts {
             modes: modes
                 .map(|mode| self.mode_facts(&mut graph, mode))
@@ -82,15 +91,16 @@ impl Model {
         }
     }
 
-    fn mode_facts(&self, graph: &mut Graph, mode: &Mode) -> ModeFacts {
+    fn mode_facts(&self, graph: &mut Graph, mode: usize) -> ModeFacts {
+        let (governed, der): (Vec<usize>, Vec<ExprId>) = self.governed(mode).unzip();
         let states: Vec<Var> = (0..self.states.len()).map(Var::State).collect();
         let params: Vec<Var> = (0..self.params.len()).map(Var::Param).collect();
         let mut affine_in = |list: &[Var]| {
             let affine = |e: &ExprId| is_affine(graph, *e, list);
-            mode.der.iter().all(affine)
+            der.iter().all(affine)
         };
         let (affine_in_states, affine_in_params) = (affine_in(&states), affine_in(&params));
-        let jacobian = mode.der.iter().map(|e| {
+        let jacobian = der.iter().map(|e| {
             let jumps = jumps_with(graph, *e, &states);
             let slopes = states.iter().map(|state| {
                 if jumps {
@@ -110,6 +120,7 @@ impl Model {
         ModeFacts {
             affine_in_states,
             affine_in_params,
+            states: governed,
             jacobian: jacobian.collect(),
         }
     }

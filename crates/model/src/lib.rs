@@ -18,8 +18,8 @@ pub use diagnostic::{Diagnostic, Diagnostics, SourceText};
 pub use facts::{Facts, ModeFacts};
 pub use graph::{Binary, ExprId, Graph, Level, Names, Node, Unary, Var};
 pub use model::{
-    Coverage, ErrorBound, Guard, Input, Mode, Model, Output, Param, Relation, Reset, Sample,
-    Signal, State,
+    Coverage, ErrorBound, Guard, Input, Jump, Mode, ModeGroup, Model, Output, Param, Relation,
+    Reset, Sample, Signal, State,
 };
 pub use regular::Regular;
 pub use series::{Coefficients, SeriesTape};

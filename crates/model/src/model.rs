@@ -3,13 +3,14 @@
 use crate::diagnostic::SourceText;
 use crate::graph::{ExprId, Graph};
 use crate::tape::Layout;
+use std::ops::Range;
 use std::sync::Arc;
 use veribound_interval::{Decimal, Interval};
 
 /// A dynamic system `x' ∈ F(x, p, u)` with modes, its uncertain quantities and its outputs.
 ///
 /// Solutions are Filippov solutions: where guards of modes overlap or touch, the right-hand side
-/// is the convex hull of the modes active there. Parameters are constant (or new after a declared
+/// is the convex hull of the modes active there. Between jumps, that is: see [`Jump`]. Parameters are constant (or new after a declared
 /// reset); an input is held from one sample to the next and may be any measurable function inside
 /// its declared error bound.
 #[derive(Debug, Clone)]
@@ -24,8 +25,15 @@ pub struct Model {
     pub inputs: Vec<Input>,
     /// Unknown parameters with their priors.
     pub params: Vec<Param>,
-    /// Modes; at least one. A model without switches has the one mode `smooth`, always active.
+    /// Modes of all groups; at least one. A model without switches has the one mode `smooth`, always
+    /// active.
     pub modes: Vec<Mode>,
+    /// Which modes govern which states; every mode and every state is in exactly one group.
+    pub groups: Vec<ModeGroup>,
+    /// Jumps of the state.
+    pub jumps: Vec<Jump>,
+    /// Where solutions flow: where no jump's condition holds, the border included.
+    pub flows: Guard,
     /// Measured outputs.
     pub outputs: Vec<Output>,
     /// Binary signals, and what they prove.
@@ -48,6 +56,35 @@ impl Model {
     pub fn disturbances(&self) -> impl Iterator<Item = (&Input, Interval)> {
         let inputs = self.inputs.iter();
         inputs.filter_map(|input| input.within.map(|bounds| (input, bounds)))
+    }
+
+    /// The modes that govern a state, by their position in [`Model::modes`], each with the right-hand
+    /// side it gives the state.
+    pub fn governing(&self, state: usize) -> impl Iterator<Item = (usize, ExprId)> + '_ {
+        let group = self.groups.iter().find_map(|group| {
+            let position = group.states.iter().position(|known| *known == state)?;
+            Some((group.modes.clone(), position))
+        });
+        let modes = group.into_iter().flat_map(|(modes, position)| {
+            let list = self.modes.get(modes.clone()).unwrap_or_default();
+            let of = list.iter().map(move |mode| mode.der.get(position).copied());
+            modes.zip(of)
+        });
+        modes.filter_map(|(mode, rhs)| Some((mode, rhs?)))
+    }
+
+    /// Whether some jump changes this state.
+    pub fn jumps_in(&self, state: usize) -> bool {
+        let changed = self.jumps.iter().flat_map(|jump| &jump.set);
+        changed.into_iter().any(|(set, _)| *set == state)
+    }
+
+    /// The states a mode gives a right-hand side, with it.
+    pub fn governed(&self, mode: usize) -> impl Iterator<Item = (usize, ExprId)> + '_ {
+        let group = self.groups.iter().find(|group| group.modes.contains(&mode));
+        let states = group.into_iter().flat_map(|group| &group.states).copied();
+        let rhs = self.modes.get(mode).into_iter().flat_map(|mode| &mode.der);
+        states.zip(rhs.copied())
     }
 
     /// Where states, parameters and inputs stand in a flat list.
@@ -130,8 +167,35 @@ pub struct Mode {
     pub name: String,
     /// Where the mode is active.
     pub guard: Guard,
-    /// Time derivative of every state, in the order of [`Model::states`].
+    /// Time derivatives of the states its group governs, in the order of [`ModeGroup::states`].
     pub der: Vec<ExprId>,
+}
+
+/// States that switch together, and the modes that say how.
+///
+/// At any time one mode of every group acts, independently of the other groups: where several modes
+/// of a group are possible, the velocity of its states is in the convex hull of theirs. Fifty masses
+/// with friction are fifty groups of three modes; as modes of the whole model they were `3^50`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ModeGroup {
+    /// Indices into [`Model::states`], growing.
+    pub states: Vec<usize>,
+    /// Positions in [`Model::modes`].
+    pub modes: Range<usize>,
+}
+
+/// A jump of the state, as of a velocity at an impact, or of a memory.
+///
+/// Solutions flow where no jump's condition holds and jump where one does. On the border they may do
+/// either; a point that a jump leaves where it is may stay there, as a ball at rest on the floor does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Jump {
+    /// The user's name.
+    pub name: String,
+    /// Where it happens, the border included. No equality stands in it: its region has an inside.
+    pub guard: Guard,
+    /// States that change, each with its new value in terms of the quantities before the jump.
+    pub set: Vec<(usize, ExprId)>,
 }
 
 /// A condition on states, inputs and parameters.

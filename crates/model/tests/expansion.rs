@@ -167,6 +167,52 @@ fn several_set_valued_functions_multiply() {
 }
 
 #[test]
+fn states_that_share_no_switch_are_groups_of_their_own() {
+    let model = read(
+        r#"
+        format = 1
+        states = ["x", "v", "w", "h", "g"]
+        init = { x = 0, v = 0, w = 0, h = 1, g = 1 }
+        [der]
+        x = "v"
+        v = "-x - friction(v, -x, 1)"
+        w = "-w*sign(w)"
+        h = "if x > 1 then 1 else 0"
+        g = "if x > 1 then h else if w > 0 then 1 else 2"
+        [outputs]
+        y = "x +- 1"
+        "#,
+    );
+    let states: Vec<&[usize]> = model.groups.iter().map(|g| &g.states[..]).collect();
+    assert_eq!(states, [&[1][..], &[2], &[3, 4], &[0]]);
+    let names: Vec<&str> = model.modes.iter().map(|mode| mode.name.as_str()).collect();
+    let wanted = [
+        "v:forward",
+        "v:stick",
+        "v:backward",
+        "w:positive",
+        "w:negative",
+        "h:then+then",
+        "h:else+then",
+        "h:then+else",
+        "h:else+else",
+        "smooth",
+    ];
+    assert_eq!(names, wanted);
+    let shown = |state| {
+        let of = |(mode, rhs)| (mode, model.graph.show(rhs, &model.names()));
+        model.governing(state).map(of).collect::<Vec<_>>()
+    };
+    assert_eq!(shown(0), [(9, "v".to_string())]);
+    assert_eq!(shown(4)[3], (8, "2".to_string()));
+    assert_eq!(
+        model.governed(6).map(|(s, _)| s).collect::<Vec<_>>(),
+        [3, 4]
+    );
+    assert_eq!(model.coverage, Coverage::Everywhere);
+}
+
+#[test]
 fn a_sign_of_inputs_alone_makes_no_modes() {
     let model = read(
         r#"

@@ -116,9 +116,14 @@ impl History {
         bands.extend(of(row.params));
         bands.push(Band::of((row.boxes as f64, row.boxes as f64)));
         bands.push(Band::of((row.milliseconds, row.milliseconds)));
-        let possible = row.modes.iter().filter(|can| **can).count();
-        let mut marks: Vec<u8> = (row.modes.iter())
-            .map(|can| match (*can, possible) {
+        let rivals = |mode: usize| {
+            let group = self.meta.mode_groups.iter().find(|g| g.contains(&mode));
+            let group = group.and_then(|group| row.modes.get(group.clone()));
+            group.unwrap_or(row.modes)
+        };
+        let possible = |mode| rivals(mode).iter().filter(|can| **can).count();
+        let mut marks: Vec<u8> = (row.modes.iter().enumerate())
+            .map(|(mode, can)| match (*can, possible(mode)) {
                 (true, 1) => POSSIBLE,
                 (true, _) => POSSIBLE | NOT_ALONE,
                 (false, _) => NOT_ALONE,

@@ -1,5 +1,7 @@
 //! What the figures of a run are about: names, units, priors, and which window is zoomed.
 
+use std::ops::Range;
+
 /// A named quantity with its unit, as the axis shows it: `name [unit]`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Quantity {
@@ -69,6 +71,8 @@ pub struct FigureMeta {
     pub params: Vec<Parameter>,
     /// Modes, in the order of `SampleRow::modes`.
     pub modes: Vec<String>,
+    /// Positions in `modes` of those of which one acts at a time; where none is given, all together.
+    pub mode_groups: Vec<Range<usize>>,
     /// Stretch of time that the output figure zooms.
     pub zoom: Zoom,
     /// Time between two samples in milliseconds, drawn as the deadline of the work; `None` draws none.
@@ -88,6 +92,7 @@ impl Default for FigureMeta {
             states: Vec::new(),
             params: Vec::new(),
             modes: Vec::new(),
+            mode_groups: Vec::new(),
             zoom: Zoom::Auto,
             sample_time_ms: None,
             columns: 4000,

@@ -31,6 +31,10 @@ pub struct Simulation {
     workspace: Workspace,
     steps: usize,
     params: Vec<Interval>,
+    /// Boxes that together contain the states: more than one only while some solutions in the
+    /// enclosure have jumped and others have not.
+    boxes: Vec<Vec<Interval>>,
+    /// Their hull.
     states: Vec<Interval>,
 }
 
@@ -72,6 +76,7 @@ impl Simulation {
             workspace: Workspace::new(&system, options),
             steps: steps.max(1),
             params: params.to_vec(),
+            boxes: vec![start.to_vec()],
             states: start.to_vec(),
             system,
         }
@@ -99,13 +104,23 @@ impl Simulation {
     /// *Errors*: [`Stopped`] when a step cannot be proved.
     pub fn advance(&mut self, inputs: &[Interval], dt: Interval) -> Result<(), Stopped> {
         let part = dt / Interval::point(self.steps as f64);
-        let mut states = self.states.clone();
+        let mut boxes = self.boxes.clone();
         for _ in 0..self.steps {
-            self.system
-                .step(&mut states, &self.params, inputs, part, &mut self.workspace)
-                .map_err(Stopped)?;
+            let mut next: Vec<Vec<Interval>> = Vec::new();
+            for states in &boxes {
+                let params = &self.params;
+                let ends =
+                    self.system
+                        .step_apart(states, params, inputs, part, &mut self.workspace);
+                next.extend(ends.map_err(Stopped)?);
+            }
+            boxes = veribound_flow::reduced(next);
         }
-        self.states = states;
+        self.boxes = boxes;
+        self.states = self.boxes.iter().skip(1).fold(
+            self.boxes.first().cloned().unwrap_or_default(),
+            |hull, states| hull.iter().zip(states).map(|(a, b)| a.hull(*b)).collect(),
+        );
         Ok(())
     }
 }

@@ -1,10 +1,4 @@
 //! What a model's expressions tell about splitting: guards, switching states, terms of velocities.
-#![allow(
-    clippy::indexing_slicing,
-    reason = "PROOF: states are positions in the model's states, and a mode has a derivative for \
-              each"
-)]
-
 use veribound_interval::Interval;
 use veribound_model::{Binary, ExprId, Graph, Guard, Layout, Model, Node, Tape, Unary, Var};
 
@@ -116,11 +110,14 @@ pub(super) fn slopes(
     moved: &[usize],
 ) -> Vec<Vec<Slope>> {
     let mut slopes = Vec::new();
-    for mode in &model.modes {
+    for mode in 0..model.modes.len() {
         let mut list = Vec::new();
-        for &state in moved {
-            for param in params_of(graph, mode.der[state]) {
-                let slope = graph.derivative(mode.der[state], Var::Param(param));
+        for (_, rhs) in model
+            .governed(mode)
+            .filter(|(state, _)| moved.contains(state))
+        {
+            for param in params_of(graph, rhs) {
+                let slope = graph.derivative(rhs, Var::Param(param));
                 let value = Ranged::compile(graph, layout, slope);
                 list.push(Slope { value, param });
             }
@@ -150,13 +147,14 @@ pub(super) fn terms(
             params,
         })
     };
-    model
-        .modes
-        .iter()
+    (0..model.modes.len())
         .map(|mode| {
             let mut summands = Vec::new();
-            for &state in moved {
-                additive_terms(graph, mode.der[state], &mut summands);
+            for (_, rhs) in model
+                .governed(mode)
+                .filter(|(state, _)| moved.contains(state))
+            {
+                additive_terms(graph, rhs, &mut summands);
             }
             summands.into_iter().filter_map(term).collect()
         })

@@ -28,6 +28,14 @@ impl Face<'_> {
         self.clipped.extend_from_slice(self.face);
     }
 
+    /// Cuts `face` down to where solutions flow; returns the boxes in which they do somewhere.
+    fn keep_flowing(&mut self, cell: usize, lanes: Mask) -> Mask {
+        let in_cell = Some((self.state, cell));
+        let guards = &mut self.registers.guards;
+        let flow = &self.system.guards;
+        flow.clip_to_flow(self.face, lanes, in_cell, guards)
+    }
+
     /// Bounds of the velocity towards this side, over `x_i` in `range` inside `cell` and the
     /// other states in the a-priori box, and the boxes that have one: in the others no solution can
     /// be there.
@@ -45,9 +53,13 @@ impl Face<'_> {
             return (worst, seen);
         }
         self.set_face(range);
+        let lanes = self.keep_flowing(cell, lanes);
         let shared = self.system.right_hand_sides[self.state].len() == 1;
-        for (mode, has_mode) in self.apriori.modes.on(lanes) {
-            let rhs = self.system.choice[mode][self.state];
+        for &(mode, rhs) in &self.system.governing[self.state] {
+            let has_mode = lanes & self.apriori.modes.of(mode);
+            if has_mode.none() {
+                continue;
+            }
             let active = if shared {
                 has_mode.without(seen)
             } else {

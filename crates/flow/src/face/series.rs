@@ -91,13 +91,16 @@ impl Face<'_> {
             single = either;
         } else {
             let mut several = Mask::NONE;
-            for (mode, has_mode) in self.apriori.modes.on(either) {
+            for &(mode, choice) in &self.system.governing[self.state] {
+                let has_mode = either & self.apriori.modes.of(mode);
+                if has_mode.none() {
+                    continue;
+                }
                 self.unclip();
                 let in_cell = Some((self.state, cell));
                 let guards = &mut self.registers.guards;
                 let clip = &self.system.guards;
                 let active = clip.clip(mode, self.clipped, has_mode, in_cell, guards);
-                let choice = self.system.choice[mode][self.state];
                 let other = Mask::from_fn(|lane| chosen[lane] != choice);
                 several |= single & active & other;
                 assign(&mut chosen, active, &[choice; LANES]);

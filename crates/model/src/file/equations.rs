@@ -24,7 +24,7 @@ pub(crate) struct WrittenMode {
     pub der: Vec<Option<Equation>>,
 }
 
-fn equation(reader: &mut Reader, value: Value, help: &str) -> Option<Equation> {
+pub(crate) fn equation(reader: &mut Reader, value: Value, help: &str) -> Option<Equation> {
     use toml::de::DeValue;
     let text = match value.value {
         // A plain number is an equation too.

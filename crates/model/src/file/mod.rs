@@ -5,6 +5,7 @@ mod constants;
 mod dimensions;
 mod disturbances;
 mod equations;
+mod jumps;
 mod lower;
 mod measured;
 mod modes;
@@ -19,7 +20,8 @@ use crate::diagnostic::{Diagnostic, Diagnostics, SourceText};
 use crate::file::lower::Lowering;
 use crate::file::reader::{Reader, Table};
 use crate::file::scope::Scope;
-use crate::model::{Coverage, Guard, Mode, Model};
+use crate::graph::ExprId;
+use crate::model::{Coverage, Guard, Mode, ModeGroup, Model, State};
 use std::fs::File;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
@@ -43,6 +45,7 @@ const SECTIONS: [&str; 14] = [
     "let",
     "modes",
     "der",
+    "jumps",
     "outputs",
     "signals",
     "events",
@@ -190,6 +193,7 @@ fn model(reader: &mut Reader, file: &Table) -> Option<Model> {
     let signals = measured::signals(reader, file, &mut scope);
     let resets = measured::events(reader, file, &signals, &params);
     let written = equations::modes(reader, file, &states);
+    let jumps = jumps::jumps(reader, file, &states);
 
     // [2/4] Equations into the graph.
     let mut lowering = Lowering::new(&scope, params.len(), definitions.len());
@@ -207,47 +211,33 @@ fn model(reader: &mut Reader, file: &Table) -> Option<Model> {
         definitions: &definitions,
         order: &order,
         modes: &written,
+        jumps: &jumps,
         outputs: &outputs,
         signals: &signals,
     };
     let mut notes = dimensions::check(reader, &units);
     notes.extend(advice::advise(&units));
+    let (jumps, flows) = jumps::lower(reader, &mut lowering, jumps);
     let outputs = measured::lower_outputs(reader, &mut lowering, outputs, &states);
     let signals = measured::lower_signals(reader, &mut lowering, signals, resets);
     let lowered: Vec<(Guard, Vec<_>)> = lowered.into_iter().collect::<Option<_>>()?;
 
     // [3/4] Set-valued functions into modes.
-    let mut modes: Vec<Mode> = Vec::new();
-    for (mode, (guard, der)) in written.iter().zip(&lowered) {
-        let more = modes::expand(&mut lowering, &mode.name, guard, der, &mut notes);
-        let count = more
-            .as_ref()
-            .map_or_else(|count| *count, Vec::len)
-            .saturating_add(modes.len());
-        match more {
-            Ok(more) if count <= modes::MOST_MODES => modes.extend(more),
-            _ => {
-                reader.report(
-                    "E0217",
-                    format!("the model has too many modes: {count}"),
-                    mode.place.clone(),
-                    "its sign and friction calls multiply",
-                    format!(
-                        "stay below {} modes: use fewer sign and friction calls",
-                        modes::MOST_MODES
-                    ),
-                );
-                return None;
-            }
-        }
-    }
+    let (modes, groups) = expanded(
+        reader,
+        &mut lowering,
+        &written,
+        &lowered,
+        &states,
+        &mut notes,
+    )?;
     let graph = lowering.graph;
     if !reader.problems.is_empty() {
         return None;
     }
 
-    // [4/4] The guards of the written modes must leave no gap; branches of set-valued functions
-    // leave none by construction.
+    // [4/4] The guards of the written modes, and the conditions of jumps, must leave no gap; branches
+    // of set-valued functions leave none by construction.
     let mut model = Model {
         name,
         graph,
@@ -255,13 +245,18 @@ fn model(reader: &mut Reader, file: &Table) -> Option<Model> {
         inputs,
         params: params.into_iter().map(|read| read.param).collect(),
         modes,
+        groups,
+        jumps,
+        flows,
         outputs,
         signals,
         coverage: Coverage::Everywhere,
         notes,
         source: Arc::clone(&reader.source),
     };
-    let guards: Vec<Guard> = lowered.into_iter().map(|(guard, _)| guard).collect();
+    let jumps = model.jumps.iter().map(|jump| jump.guard.clone());
+    let guards = lowered.into_iter().map(|(guard, _)| guard).chain(jumps);
+    let guards: Vec<Guard> = guards.collect();
     match coverage::examine(&model, &guards) {
         Finding::Covered(coverage) => model.coverage = coverage,
         Finding::Gap(gap) => {
@@ -278,6 +273,71 @@ fn model(reader: &mut Reader, file: &Table) -> Option<Model> {
         }
     }
     Some(model)
+}
+
+/// The modes that the written ones stand for, and which states they govern. Written modes govern all
+/// states together; [der] is divided into the groups that switch together.
+fn expanded(
+    reader: &mut Reader,
+    lowering: &mut Lowering,
+    written: &[equations::WrittenMode],
+    lowered: &[(Guard, Vec<ExprId>)],
+    states: &[State],
+    notes: &mut Vec<String>,
+) -> Option<(Vec<Mode>, Vec<ModeGroup>)> {
+    let divided = match (written, lowered) {
+        ([mode], [(_, der)]) if mode.name.is_empty() => modes::groups(lowering, der),
+        _ => vec![(0..states.len()).collect()],
+    };
+    let mut all: Vec<Mode> = Vec::new();
+    let mut groups = Vec::new();
+    for group in &divided {
+        let first = all.len();
+        for (mode, (guard, der)) in written.iter().zip(lowered) {
+            let more = modes::expand(lowering, (&mode.name, guard, der), group, notes);
+            let count = more
+                .as_ref()
+                .map_or_else(|count| *count, Vec::len)
+                .saturating_add(all.len());
+            match more {
+                Ok(more) if count <= modes::MOST_MODES => all.extend(more),
+                _ => {
+                    reader.report(
+                        "E0217",
+                        format!("the model has too many modes: {count}"),
+                        mode.place.clone(),
+                        "its sign and friction calls multiply",
+                        format!(
+                            "stay below {} modes: use fewer sign and friction calls",
+                            modes::MOST_MODES
+                        ),
+                    );
+                    return None;
+                }
+            }
+        }
+        groups.push(ModeGroup {
+            states: group.clone(),
+            modes: first..all.len(),
+        });
+    }
+    if groups.len() > 1 {
+        name_by_group(&mut all, &groups, states);
+    }
+    Some((all, groups))
+}
+
+/// Modes of several groups are told apart by the first state of theirs.
+fn name_by_group(modes: &mut [Mode], groups: &[ModeGroup], states: &[State]) {
+    for group in groups {
+        let state = group.states.first().and_then(|state| states.get(*state));
+        let own = modes.get_mut(group.modes.clone()).unwrap_or_default();
+        if let (Some(state), [_, _, ..]) = (state, &*own) {
+            for mode in own {
+                mode.name = format!("{}:{}", state.name, mode.name);
+            }
+        }
+    }
 }
 
 fn is_of_sensible_size(reader: &mut Reader, file: &Table) -> bool {

@@ -14,7 +14,7 @@ use crate::graph::{ExprId, Graph, Node, Unary, Var};
 use crate::model::{Guard, Mode, Relation};
 use num_traits::Zero;
 
-/// More modes than this are refused: five friction elements, or seven signs.
+/// More modes than this are refused: five frictions that multiply, or eighty that do not.
 pub(crate) const MOST_MODES: usize = 243;
 
 /// One way a set-valued function can be.
@@ -26,18 +26,72 @@ struct Branch {
     fixed: Option<(Var, ExprId)>,
 }
 
-/// The modes that one written mode stands for: one for each combination of branches of the
-/// set-valued functions in its right-hand side.
+/// States that switch together: those whose right-hand sides share a set-valued function, or a
+/// condition. States that do not switch join the only group there is; beside several groups they are
+/// one of their own, the last.
+pub(crate) fn groups(lowering: &Lowering, der: &[ExprId]) -> Vec<Vec<usize>> {
+    let mut switching: Vec<(Vec<usize>, Vec<Question>)> = Vec::new();
+    let mut smooth = Vec::new();
+    for (state, e) in der.iter().enumerate() {
+        let used = lowering.switches_in(*e);
+        if used.is_empty() {
+            smooth.push(state);
+            continue;
+        }
+        let asked = used.into_iter().map(|index| Question::of(lowering, index));
+        let mut group = (vec![state], asked.collect::<Vec<_>>());
+        switching.retain_mut(|known| {
+            let shares = known.1.iter().any(|question| group.1.contains(question));
+            if shares {
+                group.0.append(&mut known.0);
+                group.1.append(&mut known.1);
+            }
+            !shares
+        });
+        switching.push(group);
+    }
+    let mut groups: Vec<Vec<usize>> = switching.into_iter().map(|(states, _)| states).collect();
+    match &mut groups[..] {
+        [only] => only.append(&mut smooth),
+        _ if smooth.is_empty() => {}
+        _ => groups.push(smooth),
+    }
+    for group in &mut groups {
+        group.sort_unstable();
+    }
+    groups
+}
+
+/// What decides between modes; the answer is the same wherever it is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Question {
+    Condition(usize),
+    Switch(usize),
+}
+
+impl Question {
+    fn of(lowering: &Lowering, index: usize) -> Question {
+        match lowering.switches.get(index) {
+            Some(Switch::Choice { condition, .. }) => Question::Condition(*condition),
+            _ => Question::Switch(index),
+        }
+    }
+}
+
+/// The modes of a group of states that one written mode (name, guard, right-hand sides of all states)
+/// stands for: one for each combination of branches of the set-valued functions in the right-hand
+/// sides of the group.
 ///
 /// # Errors
 /// The number of modes, if it is more than [`MOST_MODES`].
 pub(crate) fn expand(
     lowering: &mut Lowering,
-    name: &str,
-    guard: &Guard,
-    der: &[ExprId],
+    (name, guard, all): (&str, &Guard, &[ExprId]),
+    group: &[usize],
     notes: &mut Vec<String>,
 ) -> Result<Vec<Mode>, usize> {
+    let of = |state: &usize| all.get(*state).copied();
+    let der: Vec<ExprId> = group.iter().filter_map(of).collect();
     let mut used: Vec<usize> = der.iter().flat_map(|e| lowering.switches_in(*e)).collect();
     used.sort_unstable();
     used.dedup();
@@ -60,10 +114,10 @@ pub(crate) fn expand(
     }
     let mut modes = Vec::new();
     for number in 0..count {
-        modes.push(combination(lowering, name, guard, der, &used, number));
+        modes.push(combination(lowering, name, guard, &der, &used, number));
     }
     if let ([index], "") = (used.as_slice(), name) {
-        notes.extend(sliding_note(lowering, *index, der));
+        notes.extend(sliding_note(lowering, *index, all));
     }
     Ok(modes)
 }

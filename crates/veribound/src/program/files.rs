@@ -1,6 +1,7 @@
 //! The files of an observation, written as the run goes on.
 
 use super::arguments::Format;
+use std::ops::Range;
 use veribound_data::{Cell, Column, CompleteFile, ResultFolder, RunInfo, TableWriter};
 use veribound_estimate::{Cell as Box, Estimate};
 use veribound_flow::ModeSet;
@@ -61,7 +62,8 @@ impl<'m> Files<'m> {
             .iter()
             .map(|y| y.map(|y| (y.lo(), y.hi())))
             .collect();
-        let modes: Vec<bool> = (0..self.model.modes.len())
+        let modes: Vec<bool> = drawn_modes(self.model)
+            .flatten()
             .map(|mode| estimate.modes.contains(mode))
             .collect();
         let row = SampleRow {
@@ -179,11 +181,28 @@ pub fn figure_meta(model: &Model, zoom: Zoom, sample_time_ms: Option<f64>) -> Fi
             .map(|state| Quantity::new(state.name.as_str(), state.unit.as_str()))
             .collect(),
         params: params.collect(),
-        modes: model.modes.iter().map(|mode| mode.name.clone()).collect(),
+        modes: drawn_modes(model)
+            .flatten()
+            .filter_map(|mode| Some(model.modes.get(mode)?.name.clone()))
+            .collect(),
+        mode_groups: drawn_modes(model)
+            .scan(0, |first, group| {
+                let start = *first;
+                *first += group.len();
+                Some(start..*first)
+            })
+            .collect(),
         zoom,
         sample_time_ms,
         ..FigureMeta::default()
     }
+}
+
+/// The groups of modes that have a choice; the only group, where there is but one.
+fn drawn_modes(model: &Model) -> impl Iterator<Item = Range<usize>> + '_ {
+    let only = model.groups.len() == 1;
+    let groups = model.groups.iter().map(|group| group.modes.clone());
+    groups.filter(move |modes| only || modes.len() > 1)
 }
 
 fn joined<'n>(names: impl Iterator<Item = &'n str>) -> String {

@@ -25,6 +25,7 @@ mod parts;
 mod value;
 
 use crate::file::equations::{Definition, WrittenMode};
+use crate::file::jumps::ReadJump;
 use crate::file::measured::{ReadOutput, ReadSignal};
 use crate::file::quantities::ReadParam;
 use crate::file::reader::Reader;
@@ -52,6 +53,7 @@ pub(crate) struct Written<'f> {
     /// Definitions in the order in which they need each other, those in circles left out.
     pub order: &'f [usize],
     pub modes: &'f [WrittenMode],
+    pub jumps: &'f [ReadJump],
     pub outputs: &'f [ReadOutput],
     pub signals: &'f [ReadSignal],
 }
@@ -81,6 +83,17 @@ pub(crate) fn check(reader: &mut Reader, written: &Written) -> Vec<String> {
                     checker.whole(&equation.ast, demand.as_ref());
                 });
             }
+        }
+    }
+    for jump in written.jumps {
+        if let Some(when) = &jump.when {
+            checker.equation(reader, when, |checker| checker.value(&when.ast));
+        }
+        for (state, equation) in &jump.set {
+            let demand = written.states.get(*state).and_then(new_value);
+            checker.equation(reader, equation, |checker| {
+                checker.whole(&equation.ast, demand.as_ref());
+            });
         }
     }
     for output in written.outputs {
@@ -113,6 +126,13 @@ fn derivative(state: &State) -> Option<Demand> {
     Some(Demand {
         unit: unit(&state.unit)?.over(&second)?,
         by: format!("`{}'` needs", state.name),
+    })
+}
+
+fn new_value(state: &State) -> Option<Demand> {
+    Some(Demand {
+        unit: unit(&state.unit)?,
+        by: format!("the state `{}` is in", state.name),
     })
 }
 

@@ -1,0 +1,597 @@
+//! Boxes that may jump during a step.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: boxes have one interval per state, and lists of the system its lengths"
+)]
+
+use super::Jumps;
+use super::timing::{Course, Times};
+use crate::apriori::{AprioriFailure, Candidate};
+use crate::step::{StepFailure, Workspace};
+use crate::system::System;
+use veribound_interval::lanes::{Interval8, LANES, Mask};
+use veribound_interval::{Interval, round};
+
+/// Jumps that are told apart in one part of a step; a sweep covers those after them.
+const FLIGHTS: u32 = 3;
+
+/// Boxes at the end of a step, at most.
+const MOST_ENDS: usize = 6;
+
+/// Rounds in which the time of a jump is narrowed: each about squares the error.
+const TIME_ROUNDS: usize = 4;
+
+/// Rounds of a sweep before it is given up.
+const SWEEP_ROUNDS: i32 = 16;
+
+/// Steps in which the length of the longest flow is looked for.
+const FLOW_ROUNDS: usize = 40;
+
+/// Pieces of time for which a rate is bounded by the difference quotient of its integral, each shorter
+/// than the one after it by a fifth.
+const PIECES: usize = 32;
+
+/// A box of states.
+type Box = Vec<Interval>;
+
+/// What becomes of a box during a stretch of time.
+pub(crate) struct Flight {
+    /// Boxes that together contain every solution at the end.
+    pub(crate) ends: Vec<Box>,
+    /// Contains every solution at all times.
+    pub(crate) tube: Box,
+    /// Every velocity between jumps.
+    pub(crate) velocity: Box,
+}
+
+/// A flow without jumps.
+struct Flow {
+    end: Box,
+    tube: Box,
+    velocity: Box,
+    /// No solution flows longer.
+    longest: Interval,
+}
+
+/// When jumps happen along a flow: `span` seconds from a box on, the tube of which is known.
+struct Window {
+    /// Time before.
+    base: Interval,
+    span: f64,
+    tube: Box,
+    /// Before the end of the step every solution has jumped.
+    is_forced: bool,
+}
+
+/// One box on its way.
+pub(crate) struct Solver<'a> {
+    system: &'a System,
+    params: Box,
+    inputs: &'a [Interval],
+    w: &'a mut Workspace,
+    candidate: Candidate,
+    tube: Box,
+    velocity: Box,
+}
+
+impl System {
+    /// Where some jump's condition holds on the boxes.
+    pub(crate) fn may_jump(
+        &self,
+        states: &[Interval8],
+        boxes: &[Interval8],
+        inputs: &[Interval],
+        lanes: Mask,
+        w: &mut Workspace,
+    ) -> Mask {
+        let n = self.layout.states;
+        let mut all = Mask::NONE;
+        for jump in 0..self.jumps.list.len() {
+            let mut q: Vec<Interval8> = states.to_vec();
+            q.extend_from_slice(&boxes[n..]);
+            q.extend(inputs.iter().map(|u| Interval8::splat(*u)));
+            let condition = self.mode_count() + jump;
+            let guards = &mut w.registers.guards;
+            all |= self.guards.clip(condition, &mut q, lanes, None, guards);
+        }
+        all
+    }
+
+    /// Moves one box of states over `dt` seconds, in `parts` equal parts, with its jumps.
+    pub(crate) fn fly(
+        &self,
+        start: &[Interval],
+        params: &[Interval],
+        inputs: &[Interval],
+        (dt, parts): (Interval, u64),
+        w: &mut Workspace,
+    ) -> Result<Flight, StepFailure> {
+        let halvings = w.halvings();
+        let mut solver = Solver {
+            system: self,
+            params: params.to_vec(),
+            inputs,
+            w,
+            candidate: Candidate::default(),
+            tube: start.to_vec(),
+            velocity: vec![Interval::EMPTY; start.len()],
+        };
+        let part = dt / Interval::point(parts as f64);
+        let mut ends = vec![start.to_vec()];
+        for _ in 0..parts {
+            let mut next = Vec::new();
+            for x in &ends {
+                next.extend(solver.advance_or_halve(x, part, halvings)?);
+            }
+            ends = reduced(next);
+        }
+        if ends.is_empty() {
+            // Not a contradiction: the model does not say how solutions go on.
+            return Err(StepFailure::Apriori(AprioriFailure::NoMode));
+        }
+        Ok(Flight {
+            ends,
+            tube: solver.tube,
+            velocity: solver.velocity,
+        })
+    }
+}
+
+impl Solver<'_> {
+    /// Boxes with every solution from `x` after `dt`.
+    fn advance_or_halve(
+        &mut self,
+        x: &[Interval],
+        dt: Interval,
+        halvings: u32,
+    ) -> Result<Vec<Box>, StepFailure> {
+        let half = match self.advance(x, dt, 0) {
+            Err(StepFailure::Apriori(_)) if halvings > 0 => dt / Interval::point(2.0),
+            other => return other,
+        };
+        let mut ends = Vec::new();
+        for middle in self.advance_or_halve(x, half, halvings - 1)? {
+            ends.extend(self.advance_or_halve(&middle, half, halvings - 1)?);
+        }
+        Ok(reduced(ends))
+    }
+
+    /// As [`Solver::advance_or_halve`], in one piece; `flights` jumps lie behind `x`.
+    fn advance(
+        &mut self,
+        x: &[Interval],
+        dt: Interval,
+        flights: u32,
+    ) -> Result<Vec<Box>, StepFailure> {
+        let mut ends = Vec::new();
+        // Where and when solutions jump first. A point of `x` at which nothing flows jumps at once.
+        let mut windows = Vec::new();
+        let mut at_once = true;
+        if let Some(flowing) = self.flowing(x) {
+            let flow = self.flow(&flowing, dt)?;
+            let mut window = self.window(&flowing, &flow, dt)?;
+            if !window.as_ref().is_some_and(|window| window.is_forced) {
+                self.note(&flow);
+                ends.extend(self.end_without_jump(&flowing, &flow, dt));
+            }
+            if let Some(window) = &mut window
+                && window.base == Interval::ZERO
+            {
+                window.tube = hull(&window.tube, x);
+                at_once = false;
+            }
+            windows.extend(window);
+        }
+        if at_once {
+            windows.push(Window {
+                base: Interval::ZERO,
+                span: 0.0,
+                tube: x.to_vec(),
+                is_forced: false,
+            });
+        }
+        for window in windows {
+            self.widen_tube(&window.tube);
+            let rest = dt - window.base;
+            for image in self.images(&window.tube)? {
+                ends.extend(self.after_jump(&image, rest, window.span, flights)?);
+            }
+        }
+        Ok(reduced(ends))
+    }
+
+    /// Boxes with every solution that jumped to `image` up to `span` seconds after there were `rest`
+    /// seconds left.
+    fn after_jump(
+        &mut self,
+        image: &[Interval],
+        rest: Interval,
+        span: f64,
+        flights: u32,
+    ) -> Result<Vec<Box>, StepFailure> {
+        self.widen_tube(image);
+        let most = rest.hi().max(0.0);
+        if flights >= FLIGHTS {
+            return Ok(vec![self.sweep(image, most)?]);
+        }
+        if span == 0.0 && rest.lo() > 0.0 {
+            return self.advance(image, rest, flights + 1);
+        }
+        let least = round::sub_down(rest.lo(), span).max(0.0);
+        let starts = if least > 0.0 {
+            self.advance(image, Interval::point(least), flights + 1)?
+        } else {
+            vec![image.to_vec()]
+        };
+        let more = round::sub_up(most, least);
+        let sweeps = starts.iter().map(|start| self.sweep(start, more));
+        sweeps.collect()
+    }
+
+    /// When solutions from `x`, the flow of which is known, jump first; `None` where none does within
+    /// `dt`.
+    fn window(
+        &mut self,
+        x: &[Interval],
+        flow: &Flow,
+        dt: Interval,
+    ) -> Result<Option<Window>, StepFailure> {
+        let mut window = Window {
+            base: Interval::ZERO,
+            span: dt.hi(),
+            tube: self.narrowed_tube(x, flow),
+            is_forced: false,
+        };
+        let mut at = x.to_vec();
+        for _ in 0..TIME_ROUNDS {
+            let Some(times) = self.times(&at, &window.tube)? else {
+                return Ok(None);
+            };
+            if times.earliest >= window.span {
+                // At the end itself it may happen.
+                if times.earliest > window.span || window.is_forced {
+                    return Ok(None);
+                }
+                break;
+            }
+            let last = if times.certain < window.span {
+                window.is_forced |= times.certain < (dt - window.base).lo();
+                times.certain
+            } else {
+                window.span
+            };
+            let span = round::sub_up(last, times.earliest).max(0.0);
+            if span > 0.9 * window.span {
+                break;
+            }
+            if times.earliest > 0.0 {
+                let to = Interval::point(times.earliest);
+                let Some(flowing) = self.flowing(&at) else {
+                    break;
+                };
+                let flow = self.flow(&flowing, to)?;
+                if is_empty(&flow.end) {
+                    return Ok(None);
+                }
+                self.note(&flow);
+                at = flow.end;
+                window.base = window.base + to;
+            }
+            window.span = span;
+            let Some(flowing) = self.flowing(&at) else {
+                window.tube = at;
+                window.span = 0.0;
+                break;
+            };
+            window.tube = at.clone();
+            if span > 0.0 {
+                let flow = self.flow(&flowing, Interval::point(span))?;
+                window.tube = hull(&self.narrowed_tube(&flowing, &flow), &at);
+            } else {
+                break;
+            }
+        }
+        Ok(Some(window))
+    }
+
+    /// When the first jump along flows from `at` with this tube can happen, and by when one must have;
+    /// `None` where none can.
+    fn times(&mut self, at: &[Interval], tube: &[Interval]) -> Result<Option<Times>, StepFailure> {
+        let velocity = self.velocity(tube)?;
+        let (start, always) = (self.load(at), self.load(tube));
+        let registers = &mut self.w.registers;
+        let Jumps { list, atoms, .. } = &self.system.jumps;
+        let courses: Vec<Course> = atoms
+            .iter()
+            .zip(&mut registers.jumps.atoms)
+            .map(|(atom, registers)| atom.course(&start, &always, &velocity, registers))
+            .collect();
+        let mut all: Option<Times> = None;
+        for (number, jump) in list.iter().enumerate() {
+            let mut q = always.clone();
+            let condition = self.system.mode_count() + number;
+            let guards = &self.system.guards;
+            let possible = guards.clip(
+                condition,
+                &mut q,
+                Mask::lane(0),
+                None,
+                &mut registers.guards,
+            );
+            if possible.none() {
+                continue;
+            }
+            let times = jump.timing.times(&courses);
+            all = Some(all.map_or(times, |all| Times {
+                earliest: all.earliest.min(times.earliest),
+                certain: all.certain.min(times.certain),
+            }));
+        }
+        Ok(all)
+    }
+
+    /// Images of all jumps that may happen on a box.
+    fn images(&mut self, x: &[Interval]) -> Result<Vec<Box>, StepFailure> {
+        let mut images = Vec::new();
+        for (number, jump) in self.system.jumps.list.iter().enumerate() {
+            let mut q = self.load(x);
+            let registers = &mut self.w.registers;
+            let condition = self.system.mode_count() + number;
+            let guards = &self.system.guards;
+            let possible = guards.clip(
+                condition,
+                &mut q,
+                Mask::lane(0),
+                None,
+                &mut registers.guards,
+            );
+            if possible.none() {
+                continue;
+            }
+            let values = &mut registers.jumps.values[number];
+            let regular = jump.values.eval(&q, values);
+            let mut image: Box = (0..x.len()).map(|state| q[state].get(0)).collect();
+            for (position, state) in jump.states.iter().enumerate() {
+                let value: Interval = jump.values.output(position, values).get(0);
+                if !regular.is_defined().get(0) {
+                    let failure = AprioriFailure::Undefined { state: *state };
+                    return Err(StepFailure::Apriori(failure));
+                }
+                if !value.is_bounded() {
+                    return Err(StepFailure::Unbounded);
+                }
+                image[*state] = value;
+            }
+            images.push(image);
+        }
+        Ok(images)
+    }
+
+    /// Contains every solution from `x` at all times up to `most`, after any number of jumps.
+    fn sweep(&mut self, x: &[Interval], most: f64) -> Result<Box, StepFailure> {
+        let mut starts = x.to_vec();
+        for round in 0..SWEEP_ROUNDS {
+            let mut tube = starts.clone();
+            if most > 0.0
+                && let Some(flowing) = self.flowing(&starts)
+            {
+                let flow = self.flow(&flowing, Interval::point(most))?;
+                tube = hull(&tube, &self.narrowed_tube(&flowing, &flow));
+                self.velocity = hull(&self.velocity, &flow.velocity);
+            }
+            let images = self.images(&tube)?;
+            if images.iter().all(|image| is_inside(image, &starts)) {
+                self.widen_tube(&tube);
+                return Ok(tube);
+            }
+            for image in &images {
+                for (start, y) in starts.iter_mut().zip(image) {
+                    if !y.is_subset_of(*start) {
+                        // A little more, so that the next image finds itself inside.
+                        let all = start.hull(*y);
+                        let share = 0.1 * 4.0_f64.powi(round);
+                        let reach = share * (all.width() - start.width()) + 1e-12 * all.mag();
+                        let more = Interval::new(-reach, reach).unwrap_or(Interval::ENTIRE);
+                        *start = all + more;
+                    }
+                }
+            }
+        }
+        Err(StepFailure::Apriori(AprioriFailure::TooLong))
+    }
+
+    /// The end of a flow without a jump.
+    fn end_without_jump(&mut self, x: &[Interval], flow: &Flow, dt: Interval) -> Option<Box> {
+        if is_empty(&flow.end) {
+            return None;
+        }
+        let mut end = self.flowing(&flow.end)?;
+        for pair in &self.system.jumps.integrals {
+            let (mean, acceleration) = (end[pair.state] - x[pair.state], flow.velocity[pair.rate]);
+            let rate = mean_rate(mean, dt, acceleration);
+            end[pair.rate] = end[pair.rate].intersect(rate);
+            if end[pair.rate].is_empty() {
+                return None;
+            }
+        }
+        Some(end)
+    }
+
+    /// The tube of flows from `x`, its rates narrowed to what their integrals allow: a ball that is
+    /// still above the floor after some time was not fast all the time.
+    fn narrowed_tube(&self, x: &[Interval], flow: &Flow) -> Box {
+        let mut tube = flow.tube.clone();
+        for pair in &self.system.jumps.integrals {
+            let change = tube[pair.state] - x[pair.state];
+            let acceleration = flow.velocity[pair.rate];
+            let half = acceleration * Interval::point(0.5);
+            let rate_at = |time: Interval| x[pair.rate] + acceleration * time;
+            let state_at = |time: Interval| x[pair.state] + time * (x[pair.rate] + half * time);
+            let mut later = flow.longest.hi();
+            let first = |later| Interval::new(0.0, later).unwrap_or(Interval::ENTIRE);
+            let (mut rate, mut state) = (Interval::EMPTY, Interval::EMPTY);
+            for _ in 0..PIECES {
+                let sooner = 0.8 * later;
+                let piece = Interval::new(sooner, later).unwrap_or(Interval::ENTIRE);
+                let by_mean = mean_rate(change, piece, acceleration);
+                rate = rate.hull(rate_at(piece).intersect(by_mean));
+                state = state.hull(state_at(piece));
+                later = sooner;
+            }
+            rate = rate.hull(rate_at(first(later)));
+            state = state.hull(state_at(first(later)));
+            tube[pair.state] = tube[pair.state].intersect(state);
+            tube[pair.rate] = tube[pair.rate].intersect(rate);
+        }
+        tube
+    }
+
+    /// What of a box can flow.
+    fn flowing(&mut self, x: &[Interval]) -> Option<Box> {
+        let mut q = self.load(x);
+        let guards = &self.system.guards;
+        let registers = &mut self.w.registers.guards;
+        let left = guards.clip_to_flow(&mut q, Mask::lane(0), None, registers);
+        left.get(0)
+            .then(|| (0..x.len()).map(|state| q[state].get(0)).collect())
+    }
+
+    /// Every velocity of flows on a box.
+    fn velocity(&mut self, x: &[Interval]) -> Result<Box, StepFailure> {
+        let q = self.load(x);
+        let mut failed = [None; LANES];
+        let registers = &mut self.w.registers;
+        let candidate = &mut self.candidate;
+        let known = self
+            .system
+            .velocity(&q, Mask::lane(0), candidate, &mut failed, registers);
+        match failed[0] {
+            Some(failure) if known.none() => Err(StepFailure::Apriori(failure)),
+            _ => Ok(candidate.velocity.iter().map(|v| v.get(0)).collect()),
+        }
+    }
+
+    /// A flow that does not jump, for `dt` at most; its end is empty where none lasts that long.
+    fn flow(&mut self, x: &[Interval], dt: Interval) -> Result<Flow, StepFailure> {
+        let mut flow = self.whole_flow(x, dt)?;
+        if !is_empty(&flow.end) {
+            flow.longest = dt;
+            return Ok(flow);
+        }
+        // The longest flow: by halves to its size, then by bisection.
+        let (mut shorter, mut longer) = (0.0, dt.hi());
+        for round in 0..FLOW_ROUNDS {
+            let middle = if shorter == 0.0 {
+                0.5 * longer
+            } else if round + 1 < FLOW_ROUNDS && longer > 1.05 * shorter {
+                0.5 * (shorter + longer)
+            } else {
+                break;
+            };
+            match self.whole_flow(x, Interval::point(middle)) {
+                Ok(other) if is_empty(&other.end) => (flow, longer) = (other, middle),
+                _ => shorter = middle,
+            }
+        }
+        flow.longest = Interval::point(longer);
+        Ok(flow)
+    }
+
+    fn whole_flow(&mut self, x: &[Interval], dt: Interval) -> Result<Flow, StepFailure> {
+        let splat = |x: &Interval| Interval8::splat(*x);
+        let mut boxes: Vec<Interval8> = x.iter().chain(&self.params).map(splat).collect();
+        let lane = Mask::lane(0);
+        let [failed, ..] = self
+            .system
+            .flow_eight(&mut boxes, lane, self.inputs, dt, self.w);
+        if let Some(failure) = failed {
+            return Err(failure);
+        }
+        let first = |list: &[Interval8]| -> Box {
+            let list = list.iter().take(x.len());
+            list.map(|x| x.get(0)).collect()
+        };
+        let (mut end, velocity) = (first(&boxes), first(self.w.velocities()));
+        // A wall holds a bound of the box in place, but nothing that flows lies behind it.
+        for pair in &self.system.jumps.integrals {
+            let bend = velocity[pair.rate] * dt.sqr() * Interval::point(0.5);
+            let free = x[pair.state] + x[pair.rate] * dt + bend;
+            end[pair.state] = end[pair.state].intersect(free);
+        }
+        if is_empty(&end) {
+            end.fill(Interval::EMPTY);
+        }
+        Ok(Flow {
+            end,
+            tube: first(self.w.tubes()),
+            velocity,
+            longest: dt,
+        })
+    }
+
+    fn load(&self, x: &[Interval]) -> Vec<Interval8> {
+        let all = x.iter().chain(&self.params).chain(self.inputs);
+        all.map(|x| Interval8::splat(*x)).collect()
+    }
+
+    fn note(&mut self, flow: &Flow) {
+        self.widen_tube(&flow.tube);
+        self.velocity = hull(&self.velocity, &flow.velocity);
+    }
+
+    fn widen_tube(&mut self, x: &[Interval]) {
+        self.tube = hull(&self.tube, x);
+    }
+}
+
+/// The rate after `time` where its integral changed by `change` and its own derivative is within
+/// `acceleration`: `v(T) = change / T + (1 / T) * integral of s v'(s) over 0..T`.
+fn mean_rate(change: Interval, time: Interval, acceleration: Interval) -> Interval {
+    change / time + acceleration * time * Interval::point(0.5)
+}
+
+fn is_empty(x: &[Interval]) -> bool {
+    x.iter().any(|x| x.is_empty())
+}
+
+fn hull(a: &[Interval], b: &[Interval]) -> Box {
+    a.iter().zip(b).map(|(a, b)| a.hull(*b)).collect()
+}
+
+fn is_inside(a: &[Interval], b: &[Interval]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a.is_subset_of(*b))
+}
+
+/// The same boxes with those joined that overlap in all states, and at most six of them; the union
+/// does not shrink.
+pub fn reduced(boxes: Vec<Box>) -> Vec<Box> {
+    let mut left: Vec<Box> = Vec::new();
+    for x in boxes {
+        let mut x = x;
+        // What overlaps after joining is found in the next round.
+        while let Some(position) = left.iter().position(|known| overlap(known, &x)) {
+            x = hull(&x, &left.swap_remove(position));
+        }
+        left.push(x);
+    }
+    while left.len() > MOST_ENDS {
+        let pairs = (0..left.len()).flat_map(|i| (0..i).map(move |j| (i, j)));
+        let cost = |(i, j): &(usize, usize)| growth(&left[*i], &left[*j]);
+        let Some((i, j)) = pairs.min_by(|a, b| cost(a).total_cmp(&cost(b))) else {
+            break;
+        };
+        let other = left.swap_remove(i);
+        left[j] = hull(&left[j], &other);
+    }
+    left
+}
+
+fn overlap(a: &[Interval], b: &[Interval]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a.intersects(*b))
+}
+
+/// How much wider the hull is than the boxes; it only ranks pairs.
+fn growth(a: &[Interval], b: &[Interval]) -> f64 {
+    let of = |(a, b): (&Interval, &Interval)| a.hull(*b).width() - a.width().max(b.width());
+    a.iter().zip(b).map(of).sum()
+}
