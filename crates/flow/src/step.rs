@@ -115,7 +115,7 @@ impl Workspace {
     }
 
     /// After [`System::step`]: encloses the velocity of every state at almost every time of the
-    /// step.
+    /// step; everything for a state that may have jumped.
     pub fn velocity(&self) -> &[Interval] {
         &self.velocity
     }

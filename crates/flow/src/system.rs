@@ -67,7 +67,7 @@ pub(crate) struct Choice {
 }
 
 /// One state is the integral of another one in every mode, as an angle is of its angular velocity,
-/// and neither jumps.
+/// and never jumps; the other one may.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Integral {
     /// The state whose derivative is the other one.
@@ -150,7 +150,7 @@ impl System {
             &jumping,
         );
         let jumps = Jumps::compile(&mut graph, layout, model, &integrals);
-        integrals.retain(|pair| !model.jumps_in(pair.state) && !model.jumps_in(pair.rate));
+        integrals.retain(|pair| !model.jumps_in(pair.state));
         System {
             layout,
             guards,
@@ -275,6 +275,10 @@ impl RightHandSide {
 /// they are the same number, and outside of it the mode's right-hand side is never part of the
 /// inclusion. The standing rig's `phi' = 0` becomes `phi' = omega` this way, so that the angle has
 /// one smooth right-hand side in all modes.
+#[allow(
+    clippy::needless_range_loop,
+    reason = "two modes are indexed by the same position"
+)]
 fn agree_on_guards(graph: &mut Graph, model: &Model, derivatives: &mut [Vec<(usize, ExprId)>]) {
     for group in &model.groups {
         for mode in group.modes.clone() {

@@ -34,7 +34,12 @@ impl Model {
         out.push('\n');
         let line = match &self.coverage {
             _ if self.modes.iter().all(|mode| mode.guard == Guard::Always) => {
-                "ok    one smooth mode, no switches".to_string()
+                let switches = if self.jumps.is_empty() {
+                    "no switches"
+                } else {
+                    "and jumps"
+                };
+                format!("ok    one smooth mode, {switches}")
             }
             Coverage::Everywhere => "ok    the guards leave no gap (proved)".to_string(),
             Coverage::InDomain { .. } => {

@@ -26,7 +26,7 @@ fn read(text: &str) -> Model {
 
 #[test]
 fn its_examples_can_be_read() {
-    let [whole, chain, modes, signals] = blocks()[..] else {
+    let [whole, chain, modes, bounce, relay, signals] = blocks()[..] else {
         panic!("another number of examples: {}", blocks().len());
     };
     let model = read(whole);
@@ -35,6 +35,14 @@ fn its_examples_can_be_read() {
         "format = 1\n{chain}[outputs]\ny = \"x1 +- 0.1\"\n"
     ));
     assert_eq!((model.states.len(), model.params.len()), (20, 11));
+    let model = read(&format!(
+        "format = 1\nstates = [\"h\", \"v\", \"T\", \"on\"]\n\
+         init = {{ h = 1, v = 0, T = 20, on = 0 }}\nparams.e = [0, 1]\n\
+         der = {{ h = \"v\", v = \"-9.81\", T = \"on - T\", on = \"0\" }}\n\
+         outputs.y = \"h +- 0.1\"\n{bounce}{}",
+        relay.replace("[jumps]\n", "")
+    ));
+    assert_eq!(model.jumps.len(), 3);
     let frame = "format = 1\nstates = [\"phi\", \"omega\"]\ninputs = [\"u\"]\n\
                  init = { phi = 0, omega = 0 }\noutputs.y = \"phi +- 0.1\"\n";
     let model = read(&format!("{frame}{modes}{signals}"));

@@ -102,7 +102,8 @@ pub(super) fn measured_states(model: &Model) -> Vec<usize> {
     outputs.filter_map(|y| only_state(y.expr)).collect()
 }
 
-/// Per mode, how the velocities of the states in `moved` depend on the parameters.
+/// Per mode, how the velocities of the states in `moved`, and their values after jumps, depend on the
+/// parameters.
 pub(super) fn slopes(
     model: &Model,
     graph: &mut Graph,
@@ -112,10 +113,9 @@ pub(super) fn slopes(
     let mut slopes = Vec::new();
     for mode in 0..model.modes.len() {
         let mut list = Vec::new();
-        for (_, rhs) in model
-            .governed(mode)
-            .filter(|(state, _)| moved.contains(state))
-        {
+        let jumps = model.jumps.iter().flat_map(|jump| jump.set.iter().copied());
+        let all = model.governed(mode).chain(jumps);
+        for (_, rhs) in all.filter(|(state, _)| moved.contains(state)) {
             for param in params_of(graph, rhs) {
                 let slope = graph.derivative(rhs, Var::Param(param));
                 let value = Ranged::compile(graph, layout, slope);

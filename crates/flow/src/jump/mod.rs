@@ -35,10 +35,7 @@ use veribound_model::{ExprId, Graph, Layout, Model, Tape};
 pub(crate) struct Jumps {
     list: Vec<Jump>,
     atoms: Vec<Atom>,
-    /// States that are integrals of others; unlike those of [`System::integrals`] the other one may
-    /// jump, since between two jumps the relation holds.
-    ///
-    /// [`System::integrals`]: crate::System::integrals
+    /// States that are integrals of others that jump: between two jumps the relation holds.
     integrals: Vec<Integral>,
 }
 

@@ -15,6 +15,9 @@ use veribound_interval::{Interval, round};
 /// Jumps that are told apart in one part of a step; a sweep covers those after them.
 const FLIGHTS: u32 = 3;
 
+/// Flows looked at for one box in one part of a step, at most.
+const MOST_FLOWS: u32 = 3000;
+
 /// Boxes at the end of a step, at most.
 const MOST_ENDS: usize = 6;
 
@@ -24,8 +27,11 @@ const TIME_ROUNDS: usize = 4;
 /// Rounds of a sweep before it is given up.
 const SWEEP_ROUNDS: i32 = 16;
 
+/// How far behind a wall flows are looked at, as a share of the states that it stops.
+const BEHIND_WALL: f64 = 1e-10;
+
 /// Steps in which the length of the longest flow is looked for.
-const FLOW_ROUNDS: usize = 40;
+const FLOW_ROUNDS: usize = 20;
 
 /// Pieces of time for which a rate is bounded by the difference quotient of its integral, each shorter
 /// than the one after it by a fifth.
@@ -40,7 +46,7 @@ pub(crate) struct Flight {
     pub(crate) ends: Vec<Box>,
     /// Contains every solution at all times.
     pub(crate) tube: Box,
-    /// Every velocity between jumps.
+    /// Every velocity; of a state that may have jumped, everything.
     pub(crate) velocity: Box,
 }
 
@@ -61,6 +67,14 @@ struct Window {
     tube: Box,
     /// Before the end of the step every solution has jumped.
     is_forced: bool,
+    /// Everything that touches a condition's region at the start can flow off and does so at once.
+    flows_off: bool,
+}
+
+/// Values of a comparison that flows do not leave.
+struct Wall {
+    position: usize,
+    allowed: Interval,
 }
 
 /// One box on its way.
@@ -72,6 +86,10 @@ pub(crate) struct Solver<'a> {
     candidate: Candidate,
     tube: Box,
     velocity: Box,
+    /// States that may have jumped.
+    jumped: Vec<usize>,
+    /// Flows that may still be looked at, so that the time of a step is bounded.
+    budget: u32,
 }
 
 impl System {
@@ -115,6 +133,8 @@ impl System {
             candidate: Candidate::default(),
             tube: start.to_vec(),
             velocity: vec![Interval::EMPTY; start.len()],
+            jumped: Vec::new(),
+            budget: MOST_FLOWS.saturating_mul(parts as u32),
         };
         let part = dt / Interval::point(parts as f64);
         let mut ends = vec![start.to_vec()];
@@ -129,10 +149,14 @@ impl System {
             // Not a contradiction: the model does not say how solutions go on.
             return Err(StepFailure::Apriori(AprioriFailure::NoMode));
         }
+        let mut velocity = solver.velocity;
+        for state in solver.jumped {
+            velocity[state] = Interval::ENTIRE;
+        }
         Ok(Flight {
             ends,
             tube: solver.tube,
-            velocity: solver.velocity,
+            velocity,
         })
     }
 }
@@ -146,7 +170,9 @@ impl Solver<'_> {
         halvings: u32,
     ) -> Result<Vec<Box>, StepFailure> {
         let half = match self.advance(x, dt, 0) {
-            Err(StepFailure::Apriori(_)) if halvings > 0 => dt / Interval::point(2.0),
+            Err(StepFailure::Apriori(_)) if halvings > 0 && self.budget > 0 => {
+                dt / Interval::point(2.0)
+            }
             other => return other,
         };
         let mut ends = Vec::new();
@@ -178,6 +204,7 @@ impl Solver<'_> {
                 && window.base == Interval::ZERO
             {
                 window.tube = hull(&window.tube, x);
+                window.flows_off &= is_inside(x, &flowing);
                 at_once = false;
             }
             windows.extend(window);
@@ -188,12 +215,21 @@ impl Solver<'_> {
                 span: 0.0,
                 tube: x.to_vec(),
                 is_forced: false,
+                flows_off: false,
             });
         }
         for window in windows {
             self.widen_tube(&window.tube);
             let rest = dt - window.base;
-            for image in self.images(&window.tube)? {
+            for (_, image) in self.images(&window.tube)? {
+                // Jumps at the start into the box itself lead to solutions that are followed already.
+                if window.span == 0.0
+                    && window.base == Interval::ZERO
+                    && window.flows_off
+                    && is_inside(&image, x)
+                {
+                    continue;
+                }
                 ends.extend(self.after_jump(&image, rest, window.span, flights)?);
             }
         }
@@ -224,8 +260,42 @@ impl Solver<'_> {
             vec![image.to_vec()]
         };
         let more = round::sub_up(most, least);
-        let sweeps = starts.iter().map(|start| self.sweep(start, more));
-        sweeps.collect()
+        let mut ends = Vec::new();
+        for start in &starts {
+            ends.extend(self.sweep_apart(start, more, flights + 1)?);
+        }
+        Ok(ends)
+    }
+
+    /// Boxes that together contain every solution from `x` at all times up to `most`: one before the
+    /// first jump and others after, so that a memory is either old or new.
+    fn sweep_apart(
+        &mut self,
+        x: &[Interval],
+        most: f64,
+        flights: u32,
+    ) -> Result<Vec<Box>, StepFailure> {
+        if flights >= FLIGHTS {
+            return Ok(vec![self.sweep(x, most)?]);
+        }
+        let mut tube = x.to_vec();
+        if most > 0.0
+            && let Some(flowing) = self.flowing(x)
+        {
+            let flow = self.flow(&flowing, Interval::point(most))?;
+            tube = hull(&tube, &self.narrowed_tube(&flowing, &flow));
+            self.velocity = hull(&self.velocity, &flow.velocity);
+        }
+        self.widen_tube(&tube);
+        let images = self.images(&tube)?;
+        let mut boxes = vec![tube];
+        for (_, image) in images {
+            // What jumps back into the box it came from is followed already.
+            if !is_inside(&image, x) {
+                boxes.extend(self.sweep_apart(&image, most, flights + 1)?);
+            }
+        }
+        Ok(boxes)
     }
 
     /// When solutions from `x`, the flow of which is known, jump first; `None` where none does within
@@ -241,6 +311,7 @@ impl Solver<'_> {
             span: dt.hi(),
             tube: self.narrowed_tube(x, flow),
             is_forced: false,
+            flows_off: false,
         };
         let mut at = x.to_vec();
         for _ in 0..TIME_ROUNDS {
@@ -254,12 +325,12 @@ impl Solver<'_> {
                 }
                 break;
             }
-            let last = if times.certain < window.span {
-                window.is_forced |= times.certain < (dt - window.base).lo();
-                times.certain
-            } else {
-                window.span
-            };
+            window.is_forced |= times.certain < (dt - window.base).lo();
+            let last = window.span.min(times.certain).min(times.last);
+            if last < times.earliest {
+                return Ok(None);
+            }
+            window.flows_off |= window.base == Interval::ZERO && times.last == 0.0;
             let span = round::sub_up(last, times.earliest).max(0.0);
             if span > 0.9 * window.span {
                 break;
@@ -275,7 +346,7 @@ impl Solver<'_> {
                 }
                 self.note(&flow);
                 at = flow.end;
-                window.base = window.base + to;
+                window.base += to;
             }
             window.span = span;
             let Some(flowing) = self.flowing(&at) else {
@@ -322,16 +393,13 @@ impl Solver<'_> {
                 continue;
             }
             let times = jump.timing.times(&courses);
-            all = Some(all.map_or(times, |all| Times {
-                earliest: all.earliest.min(times.earliest),
-                certain: all.certain.min(times.certain),
-            }));
+            all = Some(all.map_or(times, |all| all.or(times)));
         }
         Ok(all)
     }
 
-    /// Images of all jumps that may happen on a box.
-    fn images(&mut self, x: &[Interval]) -> Result<Vec<Box>, StepFailure> {
+    /// Every jump that may happen on a box, with its image.
+    fn images(&mut self, x: &[Interval]) -> Result<Vec<(usize, Box)>, StepFailure> {
         let mut images = Vec::new();
         for (number, jump) in self.system.jumps.list.iter().enumerate() {
             let mut q = self.load(x);
@@ -362,38 +430,53 @@ impl Solver<'_> {
                 }
                 image[*state] = value;
             }
-            images.push(image);
+            self.jumped.extend(&jump.states);
+            images.push((number, image));
         }
         Ok(images)
     }
 
     /// Contains every solution from `x` at all times up to `most`, after any number of jumps.
+    ///
+    /// A flow starts at `x` or after a jump. What the jump does not set has flowed, for `most` seconds in
+    /// all, since the start or since some jump set it.
     fn sweep(&mut self, x: &[Interval], most: f64) -> Result<Box, StepFailure> {
         let mut starts = x.to_vec();
         for round in 0..SWEEP_ROUNDS {
             let mut tube = starts.clone();
+            let mut drift = vec![Interval::ZERO; x.len()];
             if most > 0.0
                 && let Some(flowing) = self.flowing(&starts)
             {
                 let flow = self.flow(&flowing, Interval::point(most))?;
                 tube = hull(&tube, &self.narrowed_tube(&flowing, &flow));
                 self.velocity = hull(&self.velocity, &flow.velocity);
+                let whole = Interval::ZERO.hull(Interval::point(most));
+                drift = flow.velocity.iter().map(|v| *v * whole).collect();
             }
-            let images = self.images(&tube)?;
-            if images.iter().all(|image| is_inside(image, &starts)) {
+            let mut images = self.images(&tube)?;
+            let list = &self.system.jumps.list;
+            let mut reach = x.to_vec();
+            for (jump, image) in &images {
+                for state in &list[*jump].states {
+                    reach[*state] = reach[*state].hull(image[*state]);
+                }
+            }
+            for (jump, image) in &mut images {
+                for (state, y) in image.iter_mut().enumerate() {
+                    if !list[*jump].states.contains(&state) {
+                        *y = y.intersect(reach[state] + drift[state]);
+                    }
+                }
+            }
+            images.retain(|(_, image)| !is_empty(image));
+            if images.iter().all(|(_, image)| is_inside(image, &starts)) {
                 self.widen_tube(&tube);
                 return Ok(tube);
             }
-            for image in &images {
+            for (_, image) in &images {
                 for (start, y) in starts.iter_mut().zip(image) {
-                    if !y.is_subset_of(*start) {
-                        // A little more, so that the next image finds itself inside.
-                        let all = start.hull(*y);
-                        let share = 0.1 * 4.0_f64.powi(round);
-                        let reach = share * (all.width() - start.width()) + 1e-12 * all.mag();
-                        let more = Interval::new(-reach, reach).unwrap_or(Interval::ENTIRE);
-                        *start = all + more;
-                    }
+                    *start = grown(*start, *y, round);
                 }
             }
         }
@@ -419,7 +502,7 @@ impl Solver<'_> {
 
     /// The tube of flows from `x`, its rates narrowed to what their integrals allow: a ball that is
     /// still above the floor after some time was not fast all the time.
-    fn narrowed_tube(&self, x: &[Interval], flow: &Flow) -> Box {
+    fn narrowed_tube(&mut self, x: &[Interval], flow: &Flow) -> Box {
         let mut tube = flow.tube.clone();
         for pair in &self.system.jumps.integrals {
             let change = tube[pair.state] - x[pair.state];
@@ -443,7 +526,7 @@ impl Solver<'_> {
             tube[pair.state] = tube[pair.state].intersect(state);
             tube[pair.rate] = tube[pair.rate].intersect(rate);
         }
-        tube
+        self.flowing(&tube).unwrap_or(tube)
     }
 
     /// What of a box can flow.
@@ -482,7 +565,7 @@ impl Solver<'_> {
         let (mut shorter, mut longer) = (0.0, dt.hi());
         for round in 0..FLOW_ROUNDS {
             let middle = if shorter == 0.0 {
-                0.5 * longer
+                0.125 * longer
             } else if round + 1 < FLOW_ROUNDS && longer > 1.05 * shorter {
                 0.5 * (shorter + longer)
             } else {
@@ -498,6 +581,10 @@ impl Solver<'_> {
     }
 
     fn whole_flow(&mut self, x: &[Interval], dt: Interval) -> Result<Flow, StepFailure> {
+        let Some(left) = self.budget.checked_sub(1) else {
+            return Err(StepFailure::Apriori(AprioriFailure::TooLong));
+        };
+        self.budget = left;
         let splat = |x: &Interval| Interval8::splat(*x);
         let mut boxes: Vec<Interval8> = x.iter().chain(&self.params).map(splat).collect();
         let lane = Mask::lane(0);
@@ -518,15 +605,99 @@ impl Solver<'_> {
             let free = x[pair.state] + x[pair.rate] * dt + bend;
             end[pair.state] = end[pair.state].intersect(free);
         }
+        let mut tube = first(self.w.tubes());
+        for wall in self.walls(x, &tube) {
+            self.keep_before(&wall, &mut end);
+            self.keep_before(&wall, &mut tube);
+        }
         if is_empty(&end) {
             end.fill(Interval::EMPTY);
         }
         Ok(Flow {
             end,
-            tube: first(self.w.tubes()),
+            tube,
             velocity,
             longest: dt,
         })
+    }
+
+    /// Comparisons that flows from `x` cannot make true, though they may touch their border: where one
+    /// would hold, what flows there only makes it less true. Such is the place of a stop or a floor.
+    fn walls(&mut self, x: &[Interval], tube: &[Interval]) -> Vec<Wall> {
+        let sides = self.system.jumps.list.iter();
+        let mut sides: Vec<(usize, bool)> = sides.flat_map(|jump| jump.timing.atoms()).collect();
+        sides.sort_unstable();
+        sides.dedup();
+        let sides = sides.into_iter();
+        sides
+            .filter_map(|(position, below)| self.wall(position, below, x, tube))
+            .collect()
+    }
+
+    fn wall(
+        &mut self,
+        position: usize,
+        below: bool,
+        x: &[Interval],
+        tube: &[Interval],
+    ) -> Option<Wall> {
+        let atom = &self.system.jumps.atoms[position];
+        let registers = &mut self.w.registers.jumps.atoms[position];
+        let half = |lo, hi| Interval::new(lo, hi).unwrap_or(Interval::ENTIRE);
+        // A little behind the border, where the condition holds for certain.
+        let depth = BEHIND_WALL * atom.magnitude(x);
+        let beyond = if below {
+            half(f64::NEG_INFINITY, -depth)
+        } else {
+            half(depth, f64::INFINITY)
+        };
+        let load = |x: &[Interval]| -> Vec<Interval8> {
+            let all = x.iter().chain(&self.params).chain(self.inputs);
+            all.map(|x| Interval8::splat(*x)).collect()
+        };
+        let start = atom.at(&load(x), registers)?;
+        let mut q = load(tube);
+        if atom.narrow(&mut q, beyond, registers) {
+            let there: Box = (0..x.len()).map(|state| q[state].get(0)).collect();
+            if let Some(there) = self.flowing(&there) {
+                let velocity = self.velocity(&there).ok()?;
+                let q = self.load(&there);
+                let registers = &mut self.w.registers.jumps.atoms[position];
+                let atom = &self.system.jumps.atoms[position];
+                let rate = atom.course(&q, &q, &velocity, registers).rate;
+                let leaves = if below {
+                    rate.lo() >= 0.0
+                } else {
+                    rate.hi() <= 0.0
+                };
+                if !leaves {
+                    return None;
+                }
+            }
+        }
+        let allowed = if below {
+            half(start.lo().min(-depth), f64::INFINITY)
+        } else {
+            half(f64::NEG_INFINITY, start.hi().max(depth))
+        };
+        Some(Wall { position, allowed })
+    }
+
+    fn keep_before(&mut self, wall: &Wall, x: &mut [Interval]) {
+        if is_empty(x) {
+            return;
+        }
+        let mut q = self.load(x);
+        let atom = &self.system.jumps.atoms[wall.position];
+        let registers = &mut self.w.registers.jumps.atoms[wall.position];
+        let left = atom.narrow(&mut q, wall.allowed, registers);
+        for (state, x) in x.iter_mut().enumerate() {
+            *x = if left {
+                q[state].get(0)
+            } else {
+                Interval::EMPTY
+            };
+        }
     }
 
     fn load(&self, x: &[Interval]) -> Vec<Interval8> {
@@ -542,6 +713,25 @@ impl Solver<'_> {
     fn widen_tube(&mut self, x: &[Interval]) {
         self.tube = hull(&self.tube, x);
     }
+}
+
+/// `start` grown to contain `y`, and a little more where it grows, so that the next image finds itself
+/// inside.
+fn grown(start: Interval, y: Interval, round: i32) -> Interval {
+    let share = 0.1 * 4.0_f64.powi(round);
+    let more = |growth: f64| share * growth + 1e-12 * y.mag();
+    let (below, above) = (start.lo() - y.lo(), y.hi() - start.hi());
+    let lo = if below > 0.0 {
+        y.lo() - more(below)
+    } else {
+        start.lo()
+    };
+    let hi = if above > 0.0 {
+        y.hi() + more(above)
+    } else {
+        start.hi()
+    };
+    Interval::new(lo, hi).unwrap_or(Interval::ENTIRE).hull(y)
 }
 
 /// The rate after `time` where its integral changed by `change` and its own derivative is within

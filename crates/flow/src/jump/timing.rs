@@ -30,10 +30,11 @@ pub(super) enum Timing {
     Any(Vec<Timing>),
 }
 
-/// When something can be true first, and from when on it is for certain, in seconds.
+/// When something can be true first and last, and from when on it is for certain, in seconds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Times {
     pub(super) earliest: f64,
+    pub(super) last: f64,
     pub(super) certain: f64,
 }
 
@@ -48,9 +49,49 @@ pub(super) struct Course {
     pub(super) rate: Interval,
 }
 
+impl Times {
+    /// Of one or the other.
+    pub(super) fn or(self, other: Times) -> Times {
+        Times {
+            earliest: self.earliest.min(other.earliest),
+            last: self.last.max(other.last),
+            certain: self.certain.min(other.certain),
+        }
+    }
+}
+
 impl Atom {
     pub(super) fn registers(&self) -> [Vec<Interval8>; 2] {
         [self.value.registers(), self.slopes.registers()]
+    }
+
+    /// The difference of both sides, where it is defined and no input is in it.
+    pub(super) fn at(
+        &self,
+        q: &[Interval8],
+        registers: &mut [Vec<Interval8>; 2],
+    ) -> Option<Interval> {
+        let [values, _] = registers;
+        let regular = self.value.eval(q, values);
+        let continuous = regular.is_defined().get(0) && regular.is_continuous().get(0);
+        (continuous && !self.of_inputs).then(|| self.value.output(0, values).get(0))
+    }
+
+    /// The size of the states it compares.
+    pub(super) fn magnitude(&self, x: &[Interval]) -> f64 {
+        let sizes = self.states.iter().map(|state| x[*state].mag());
+        sizes.fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// Cuts a box down to what can have a difference in `target`; false when nothing can.
+    pub(super) fn narrow(
+        &self,
+        q: &mut [Interval8],
+        target: Interval,
+        registers: &mut [Vec<Interval8>; 2],
+    ) -> bool {
+        let [values, _] = registers;
+        self.value.contract(q, target, values).get(0)
     }
 
     /// The comparison along flows from `start`, with `tube` and `velocity` at all times; all hold
@@ -125,6 +166,16 @@ impl Timing {
         }
     }
 
+    /// All comparisons, each with its side.
+    pub(super) fn atoms(&self) -> Vec<(usize, bool)> {
+        match self {
+            Timing::Atom(position, below) => vec![(*position, *below)],
+            Timing::All(parts) | Timing::Any(parts) => {
+                parts.iter().flat_map(Timing::atoms).collect()
+            }
+        }
+    }
+
     /// The times along flows on which the comparisons take these courses.
     pub(super) fn times(&self, courses: &[Course]) -> Times {
         match self {
@@ -143,26 +194,25 @@ impl Timing {
             Timing::All(parts) => {
                 let both = |a: Times, b: Times| Times {
                     earliest: a.earliest.max(b.earliest),
+                    last: a.last.min(b.last),
                     certain: a.certain.max(b.certain),
                 };
                 let parts = parts.iter().map(|part| part.times(courses));
                 let always = Times {
                     earliest: 0.0,
+                    last: f64::INFINITY,
                     certain: 0.0,
                 };
                 parts.fold(always, both)
             }
             Timing::Any(parts) => {
-                let either = |a: Times, b: Times| Times {
-                    earliest: a.earliest.min(b.earliest),
-                    certain: a.certain.min(b.certain),
-                };
                 let parts = parts.iter().map(|part| part.times(courses));
                 let never = Times {
                     earliest: f64::INFINITY,
+                    last: 0.0,
                     certain: f64::INFINITY,
                 };
-                parts.fold(never, either)
+                parts.fold(never, Times::or)
             }
         }
     }
@@ -188,7 +238,7 @@ impl Atom {
     }
 }
 
-/// When `g <= 0` can hold first, and from when on `g < 0` holds at all times.
+/// When `g <= 0` can hold first and last, and from when on `g < 0` holds at all times.
 fn times(course: Course) -> Times {
     let Course {
         start,
@@ -202,6 +252,15 @@ fn times(course: Course) -> Times {
         f64::INFINITY
     } else {
         earliest(Interval::point(start.lo()), rate.lo())
+    };
+    let last = if unknown || start.lo() == f64::NEG_INFINITY {
+        f64::INFINITY
+    } else if always.lo() > 0.0 || (rate.lo() > 0.0 && start.lo() >= 0.0) {
+        0.0
+    } else if rate.lo() > 0.0 {
+        latest(Interval::point(start.lo()), rate.lo())
+    } else {
+        f64::INFINITY
     };
     let certain = if unknown {
         f64::INFINITY
@@ -218,6 +277,7 @@ fn times(course: Course) -> Times {
     };
     Times {
         earliest: earliest_time,
+        last,
         certain,
     }
 }
@@ -234,6 +294,9 @@ mod tests {
             rate: Interval::new(rate.0, rate.1).unwrap(),
         };
         let seen = |c: Course| (times(c).earliest, times(c).certain);
+        assert_eq!(times(course((0.0, 2.0), (0.5, 1.0))).last, 0.0);
+        assert_eq!(times(course((-1.0, 2.0), (0.5, 1.0))).last, 2.0);
+        assert_eq!(times(course((-1.0, 2.0), (0.0, 1.0))).last, f64::INFINITY);
         assert_eq!(seen(course((1.0, 2.0), (-4.0, -2.0))), (0.25, 1.0));
         assert_eq!(seen(course((-1.0, 2.0), (-4.0, 1.0))), (0.0, f64::INFINITY));
         assert_eq!(
@@ -252,6 +315,7 @@ mod tests {
         ];
         let wanted = Times {
             earliest: 1.0,
+            last: f64::INFINITY,
             certain: 3.0,
         };
         assert_eq!(both.times(&courses), wanted);

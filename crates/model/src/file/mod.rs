@@ -33,7 +33,7 @@ pub(crate) const LARGEST_FILE: usize = 1 << 18;
 /// More entries in one section are a mistake.
 const MOST_ENTRIES: usize = 1000;
 
-const SECTIONS: [&str; 14] = [
+const SECTIONS: [&str; 15] = [
     "format",
     "name",
     "sizes",
