@@ -23,11 +23,13 @@ pub struct Flow {
     pub(super) slopes: Vec<(usize, usize, usize)>,
 }
 
-/// Forms are made for models with one right-hand side.
+/// Forms are made for models with one right-hand side and without jumps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SeveralModes {
-    /// So many the model has.
+    /// So many modes the model has.
     pub modes: usize,
+    /// So many jumps.
+    pub jumps: usize,
 }
 
 /// A stretch of time could not be proved. It says nothing about the existence of solutions.
@@ -46,9 +48,10 @@ impl Flow {
     ///
     /// Cost: one symbolic derivative per pair of states.
     pub fn new(model: &Model) -> Result<Flow, SeveralModes> {
-        let [mode] = &model.modes[..] else {
+        let ([mode], []) = (&model.modes[..], &model.jumps[..]) else {
             return Err(SeveralModes {
                 modes: model.modes.len(),
+                jumps: model.jumps.len(),
             });
         };
         let mut graph = model.graph.clone();

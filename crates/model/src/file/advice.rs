@@ -33,7 +33,7 @@ pub(crate) fn advise(written: &Written) -> Vec<String> {
     notes
 }
 
-/// What the modes, outputs and signals need, directly or by way of a [let].
+/// What the modes, jumps, outputs and signals need, directly or by way of a [let].
 struct Used {
     inputs: Vec<bool>,
     params: Vec<bool>,
@@ -46,7 +46,10 @@ impl Used {
         let in_modes = modes.flat_map(|mode| mode.guard.iter().chain(mode.der.iter().flatten()));
         let outputs = written.outputs.iter().map(|output| &output.equation);
         let signals = written.signals.iter().flat_map(|signal| &signal.proves);
-        let mut open: Vec<&Equation> = in_modes.chain(outputs).chain(signals).collect();
+        let jumps = written.jumps.iter();
+        let jumps = jumps.flat_map(|jump| jump.when.iter().chain(jump.set.iter().map(|(_, e)| e)));
+        let all = in_modes.chain(jumps).chain(outputs).chain(signals);
+        let mut open: Vec<&Equation> = all.collect();
         let mut used = Used {
             inputs: vec![false; written.inputs.len()],
             params: vec![false; written.params.len()],
