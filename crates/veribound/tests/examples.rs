@@ -22,7 +22,9 @@ type Case = (
     &'static [(&'static str, f64, f64)],
 );
 
-const CASES: [Case; 9] = [
+const CASES: [Case; 11] = [
+    ("bouncing-ball", "3", &[("e", 0.75, 0.3), ("g", 9.81, 0.4)]),
+    ("valve", "6", &[("c", 60.0, 1.0), ("Fc", 1.5, 0.7)]),
     (
         "two-tanks",
         "40",

@@ -175,6 +175,20 @@ entries! {
     /// ```
     ModeEntry: ;
 
+    /// A jump of the state; returned by [`ModelBuilder::jump`](super::ModelBuilder::jump).
+    ///
+    /// ```
+    /// # let mut model = veribound_model::build::ModelBuilder::new("ball");
+    /// # let h = model.state("h").init(1, 1).symbol();
+    /// # let v = model.state("v").init(0, 0).symbol();
+    /// # let e = model.param("e", "0.5", "0.9").symbol();
+    /// model.jump("bounce", h.at_most(0).and(v.below(0))).sets(&v, -&e * &v);
+    /// assert!(model.to_toml().contains(
+    ///     r#"bounce = { when = "h <= 0 and v < 0", set = { v = "-e*v" } }"#
+    /// ));
+    /// ```
+    JumpEntry: ;
+
     /// A measured output; returned by [`ModelBuilder::output`](super::ModelBuilder::output).
     ///
     /// ```
@@ -228,6 +242,15 @@ impl ModeEntry {
     pub fn der(&mut self, state: &Symbol, velocity: impl Into<Symbol>) -> &mut Self {
         let velocity = Value::equation(velocity);
         self.0.set_inside("der", &state.to_string(), velocity);
+        self
+    }
+}
+
+impl JumpEntry {
+    /// The new value of a state, in terms of the quantities before the jump.
+    pub fn sets(&mut self, state: &Symbol, value: impl Into<Symbol>) -> &mut Self {
+        let value = Value::equation(value);
+        self.0.set_inside("set", &state.to_string(), value);
         self
     }
 }

@@ -35,7 +35,7 @@ mod tree;
 
 pub use condition::{Condition, friction, if_else, pi, sticking_friction};
 pub use entries::{
-    DisturbanceEntry, EventEntry, InputEntry, ModeEntry, OutputEntry, ParamEntry, SignalEntry,
+    DisturbanceEntry, EventEntry, InputEntry, JumpEntry, ModeEntry, OutputEntry, ParamEntry, SignalEntry,
     StateEntry,
 };
 pub use number::Number;
@@ -79,6 +79,7 @@ pub struct ModelBuilder {
     lets: Vec<(String, Value)>,
     der: Vec<(String, Value)>,
     modes: Vec<ModeEntry>,
+    jumps: Vec<JumpEntry>,
     outputs: Vec<OutputEntry>,
     signals: Vec<SignalEntry>,
     events: Vec<EventEntry>,
@@ -160,6 +161,13 @@ impl ModelBuilder {
         let mut entry = Entry::new(name);
         entry.set("when", Value::condition(guard));
         added(&mut self.modes, ModeEntry(entry))
+    }
+
+    /// Declares a jump: solutions flow where its condition does not hold.
+    pub fn jump(&mut self, name: &str, when: impl Into<Condition>) -> &mut JumpEntry {
+        let mut entry = Entry::new(name);
+        entry.set("when", Value::condition(when));
+        added(&mut self.jumps, JumpEntry(entry))
     }
 
     /// Declares what is measured, with the largest error of a recorded value.
@@ -247,6 +255,7 @@ impl ModelBuilder {
         text.section("let", &self.lets);
         text.section("der", &self.der);
         text.entries("modes", self.modes.iter().map(|entry| &entry.0));
+        text.entries("jumps", self.jumps.iter().map(|entry| &entry.0));
         text.entries("outputs", self.outputs.iter().map(|entry| &entry.0));
         text.entries("signals", self.signals.iter().map(|entry| &entry.0));
         text.entries("events", self.events.iter().map(|entry| &entry.0));
