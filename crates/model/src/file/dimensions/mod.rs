@@ -114,6 +114,17 @@ pub(crate) fn check(reader: &mut Reader, written: &Written) -> Vec<String> {
     notes
 }
 
+fn holds_friction(ast: &Ast) -> bool {
+    let mut open = vec![ast];
+    while let Some(ast) = open.pop() {
+        if matches!(ast.kind, Kind::Call(Function::Friction, _)) {
+            return true;
+        }
+        open.extend(ast.kind.children());
+    }
+    false
+}
+
 /// A unit as written; none where none is written or where it was reported already.
 fn unit(text: &str) -> Option<Unit> {
     (!text.trim().is_empty())
@@ -325,6 +336,10 @@ impl<'f> Checker<'f> {
 
     /// Reports the first arguments of `friction` where units prove that they are swapped.
     fn are_swapped(&mut self, velocity: &Ast, drive: &Ast, level: &Ast) -> bool {
+        // A look ahead into frictions inside of frictions would be one into looks ahead.
+        if [velocity, drive, level].into_iter().any(holds_friction) {
+            return false;
+        }
         let (problems, notes) = (self.problems.len(), self.notes.len());
         let units = [velocity, drive, level].map(|argument| self.value(argument));
         // This was a look ahead.
