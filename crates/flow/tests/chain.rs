@@ -67,7 +67,12 @@ fn fifty_masses_with_friction() {
         for i in 1..=MASSES {
             let near = Interval::new(-1e-4, 1e-4).unwrap();
             let inside = (states[i - 1] + near).contains(x[i]);
-            assert!(inside, "step {k}, mass {i}: {} not in {}", x[i], states[i - 1]);
+            assert!(
+                inside,
+                "step {k}, mass {i}: {} not in {}",
+                x[i],
+                states[i - 1]
+            );
         }
         assert_eq!(states[MASSES + 49], Interval::ZERO);
     }

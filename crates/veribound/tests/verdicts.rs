@@ -163,7 +163,7 @@ fn a_run_says_all_that_repeats_it() {
 #[test]
 fn missing_values_are_counted_and_unused_columns_named() {
     let place = Place::new();
-    let record = "t,u,pos,wind,note\n0,1,0,3,a\n0.1,1,NaN,3,\n0.2,1,,3,b\n30,1,60,3,\n";
+    let record = "t [s],u,pos,wind,note\n0,1,0,3,a\n0.1,1,NaN,3,\n0.2,1,,3,b\n30,1,60,3,\n";
     let (model, record) = (place.file("m.toml", CART), place.file("r.csv", record));
     // The long gap before the last sample is no problem.
     let ran = place.observe(&model, &record, &[]).ended(0);

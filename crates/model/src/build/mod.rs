@@ -35,8 +35,8 @@ mod tree;
 
 pub use condition::{Condition, friction, if_else, pi, sticking_friction};
 pub use entries::{
-    DisturbanceEntry, EventEntry, InputEntry, JumpEntry, ModeEntry, OutputEntry, ParamEntry, SignalEntry,
-    StateEntry,
+    DisturbanceEntry, EventEntry, InputEntry, JumpEntry, ModeEntry, OutputEntry, ParamEntry,
+    SignalEntry, StateEntry,
 };
 pub use number::Number;
 pub use symbol::Symbol;
