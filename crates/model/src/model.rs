@@ -187,7 +187,8 @@ pub struct ModeGroup {
 /// A jump of the state, as of a velocity at an impact, or of a memory.
 ///
 /// Solutions flow where no jump's condition holds and jump where one does. On the border they may do
-/// either; a point that a jump leaves where it is may stay there, as a ball at rest on the floor does.
+/// either; one that no flow takes away from a point, and that a jump leaves where it is, stays there, as
+/// a ball at rest on the floor does.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Jump {
     /// The user's name.
