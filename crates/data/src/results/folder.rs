@@ -249,6 +249,7 @@ fn is_absent(error: &io::Error) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use veribound_model::diagnostic::Diagnostics;
 
     fn files(folder: &Path) -> Vec<String> {
         let mut names: Vec<String> = fs::read_dir(folder)
@@ -361,12 +362,12 @@ mod tests {
         };
         file.write_all(b"t,phi\n").unwrap();
         let error = file.finish().unwrap_err();
-        assert_eq!(error.code, "E0502");
-        assert!(
-            error.message.ends_with("x.csv`: the disk is full"),
-            "{}",
-            error.message
+        let wanted = format!(
+            "error[E0502]: cannot write `{}`: the disk is full\n |\n = help: free some space, or choose a folder on \
+             another disk with `-o DIR`\n",
+            place.path().join("x.csv").display()
         );
+        assert_eq!(Diagnostics::from(error).render(false), wanted);
         assert_eq!(files(place.path()), [""; 0]);
     }
 

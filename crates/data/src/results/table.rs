@@ -219,6 +219,7 @@ fn push_text(line: &mut String, text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use veribound_model::diagnostic::Diagnostics;
 
     #[test]
     fn rows_are_printed_outward_and_quoted() {
@@ -244,7 +245,11 @@ mod tests {
             table.row(&time, &cells).unwrap();
         }
         let wrong = table.row(&time, &[Cell::Count(1), Cell::Text(""), Cell::Count(3)]);
-        assert_eq!(wrong.unwrap_err().code, "E0503");
+        let said = Diagnostics::from(wrong.unwrap_err()).render(false);
+        assert_eq!(
+            said,
+            "error[E0503]: 3 cells do not fit the 3 columns of a table\n"
+        );
         table.finish().unwrap().put_in_place().unwrap();
         let expected = "t,phi.lo,phi.hi,modes,boxes\n\
             0.1,0.333333333333,0.333333333334,\"a,b\",3\n\

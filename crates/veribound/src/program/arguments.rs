@@ -215,6 +215,9 @@ pub struct Showing {
     pub quiet: bool,
 }
 
+/// Decimal places that a float can hold of a number of about 1.
+pub const MOST_DECIMALS: usize = 15;
+
 /// Flags of `veribound simulate`.
 #[derive(Debug, Args)]
 pub struct Simulate {
@@ -244,7 +247,8 @@ pub struct Simulate {
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Decimal places of the written outputs
-    #[arg(long, value_name = "N", default_value_t = 4, value_parser = count_up_to(0, 15))]
+    #[arg(long, value_name = "N", default_value_t = 4,
+          value_parser = count_up_to(0, MOST_DECIMALS as u64))]
     pub decimals: usize,
     /// Internal steps per sample: more make the enclosure narrower and take longer
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = count_up_to(1, 100_000))]

@@ -213,3 +213,21 @@ fn undrawable(error: &ReportError) -> Diagnostic {
     Diagnostic::new("E0506", format!("the figures cannot be drawn: {error}"))
         .help("leave them out with `--figures none`")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use veribound_model::diagnostic::Diagnostics;
+
+    #[test]
+    fn figures_that_cannot_be_drawn_are_told_word_for_word() {
+        let size = ReportError::Size {
+            width: 0,
+            height: 480,
+        };
+        let said = Diagnostics::from(undrawable(&size)).render(false);
+        let wanted = "error[E0506]: the figures cannot be drawn: a picture of 0 x 480 pixels cannot be made\n \
+            |\n = help: leave them out with `--figures none`\n";
+        assert_eq!(said, wanted);
+    }
+}

@@ -58,11 +58,8 @@ fn arithmetic() -> Result<(), Diagnostics> {
 }
 
 fn unsound(error: &veribound_interval::SelfTestError) -> Diagnostic {
-    Diagnostic::new(
-        "E0507",
-        format!("the arithmetic of this machine cannot be trusted: {error}"),
-    )
-    .help("run it on a machine, or in a process, with plain round-to-nearest arithmetic")
+    Diagnostic::new("E0507", error.to_string())
+        .help("run it on a machine, or in a process, with plain round-to-nearest arithmetic")
 }
 
 fn no_such_path(wish: &str) -> Diagnostic {
@@ -79,3 +76,17 @@ fn no_such_path(wish: &str) -> Diagnostic {
 
 /// What every part of the program gives back: how it ended, or what was wrong with the input.
 type Outcome = Result<Ending, Diagnostics>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn untrusted_arithmetic_is_told_word_for_word() {
+        let error = veribound_interval::SelfTestError::SubnormalOperandsFlushed;
+        let said = Diagnostics::from(unsound(&error)).render(false);
+        let wanted = "error[E0507]: the arithmetic of this machine cannot be trusted: very small operands are read \
+            as zero\n |\n = help: run it on a machine, or in a process, with plain round-to-nearest arithmetic\n";
+        assert_eq!(said, wanted);
+    }
+}

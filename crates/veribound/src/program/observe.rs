@@ -218,9 +218,12 @@ fn start_from(
         return Err(Diagnostic::new("E0606", message)
             .help("start from a run of a model with priors that overlap these"));
     }
+    let which = match boxes.len() {
+        1 => "the box".to_owned(),
+        count => format!("the {count} boxes"),
+    };
     let mut change = format!(
-        "the parameters lie in the {} boxes that the run in {} left (--start-from)",
-        boxes.len(),
+        "the parameters lie in {which} that the run in {} left (--start-from)",
         folder.display()
     );
     let resettable = |at: usize| {

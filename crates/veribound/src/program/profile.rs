@@ -223,3 +223,31 @@ fn between(time: &Decimal) -> Diagnostic {
     )
     .help("choose `--every` so that every time of the profile is the time of a sample")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_profile_that_changes_under_way_is_told_word_for_word() {
+        let model = "format = 1\nstates = [\"x\"]\ninit.x = 0\ninputs = [\"u\"]\nder.x = \"u\"\n\
+            outputs.y = \"x +- 0.1\"\n";
+        let model = Model::from_text("m.toml", model).unwrap();
+        let place = tempfile::tempdir().unwrap();
+        let path = place.path().join("p.csv");
+        fs::write(&path, "t,u\n0,1\n1,1\n").unwrap();
+        let record = check(&path, &model).unwrap();
+        fs::write(&path, "t,u\n0,1\n1,fast\n").unwrap();
+        let mut points = Points::of_table(&path, &record).unwrap();
+        points.next().unwrap();
+        let Err(said) = points.next() else {
+            panic!("a word was taken for a number")
+        };
+        let wanted = format!(
+            "error[E0417]: `{}` was changed while it was read: line 3 is not complete\n |\n = help: run again when \
+             nothing writes to the profile\n",
+            path.display()
+        );
+        assert_eq!(Diagnostics::from(said).render(false), wanted);
+    }
+}

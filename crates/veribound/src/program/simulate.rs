@@ -1,6 +1,6 @@
 //! `veribound simulate`: a record whose errors are proved to stay inside their bounds.
 
-use super::arguments::Simulate;
+use super::arguments::{MOST_DECIMALS, Simulate};
 use super::ending::Ending;
 use super::flags::{Assignment, ErrorFlag};
 use super::interrupt::Interrupt;
@@ -467,7 +467,12 @@ fn imprecise(output: &Output, time: &Decimal, value: Interval, noise: &Noise) ->
             "at t = {time} s rounding `{}` to {decimals} decimals takes too much of its error bound",
             output.name
         );
-        return Diagnostic::new("E0609", message).help("use more decimals: `--decimals`");
+        let help = if decimals < MOST_DECIMALS {
+            "use more decimals: `--decimals`"
+        } else {
+            "ask for larger errors: `--error`"
+        };
+        return Diagnostic::new("E0609", message).help(help);
     }
     let message = format!(
         "at t = {time} s `{}` is known to lie in {} only; written with {decimals} decimals this \
