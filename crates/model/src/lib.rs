@@ -14,6 +14,7 @@ mod syntax;
 pub mod tape;
 pub mod units;
 
+pub use coverage::{Doubt, Overlap, Overlaps};
 pub use diagnostic::{Diagnostic, Diagnostics, SourceText};
 pub use facts::{Facts, ModeFacts};
 pub use graph::{Binary, ExprId, Graph, Level, Names, Node, Unary, Var};

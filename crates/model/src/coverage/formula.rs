@@ -1,24 +1,22 @@
-//! The claim "some guard holds" as a formula over exact comparisons, and its cells.
+//! Guards as formulas over exact comparisons.
 
 use crate::coverage::affine::Affine;
-use crate::graph::{Binary, ExprId, Graph, Names, Node, Unary};
+use crate::graph::{Binary, ExprId, Graph, Node, Unary};
 use crate::model::{Guard, Relation};
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
-use std::collections::BTreeMap;
+use std::cmp::Ordering;
+use std::collections::{BTreeMap, HashMap};
 use veribound_interval::Truth;
 
-/// Comparisons after `abs`, `min` and `max` are resolved.
+/// Different comparisons after `abs`, `min` and `max` are resolved.
 const MOST_COMPARISONS: usize = 400;
-/// Partly filled cells that are looked at.
-const MOST_VISITS: usize = 20_000;
-/// Cells without a guard that are looked into.
-const MOST_CELLS: usize = 200;
 
 /// A linear combination without constant, its first coefficient `1`.
-type Direction = BTreeMap<ExprId, BigRational>;
+pub(super) type Direction = BTreeMap<ExprId, BigRational>;
 
-enum Formula {
+#[derive(Clone)]
+pub(super) enum Formula {
     Constant(bool),
     /// `direction relation threshold`
     Comparison {
@@ -30,196 +28,69 @@ enum Formula {
     Any(Vec<Formula>),
 }
 
-/// That some guard holds.
-pub(crate) struct Claim {
-    formula: Formula,
-    directions: Vec<Direction>,
-    /// For each direction, sorted.
-    thresholds: Vec<Vec<BigRational>>,
-}
-
-/// One piece of each direction; `None` where it does not matter. With thresholds `t0 < t1 < ...`
-/// piece 0 is below `t0`, piece 1 is `t0` itself, piece 2 lies between `t0` and `t1`, and so on.
-pub(crate) type Cell = Vec<Option<usize>>;
-
-/// A piece of one direction.
-#[derive(Debug, Clone)]
-pub(crate) struct Piece {
-    pub direction: Affine,
-    pub lower: Option<BigRational>,
-    pub upper: Option<BigRational>,
-    /// Whether the ends belong to the piece.
-    pub is_closed: bool,
-}
-
-impl Claim {
-    /// `None` when the guards are too long to be examined.
-    pub fn of(graph: &Graph, guards: &[Guard]) -> Option<Claim> {
-        let mut builder = Builder {
-            graph,
-            directions: Vec::new(),
-            comparisons: 0,
-        };
-        let parts: Option<Vec<Formula>> = guards.iter().map(|guard| builder.guard(guard)).collect();
-        let formula = Formula::Any(parts?);
-        let mut thresholds = vec![Vec::new(); builder.directions.len()];
-        collect(&formula, &mut thresholds);
-        for list in &mut thresholds {
-            list.sort();
-            list.dedup();
-        }
-        Some(Claim {
-            formula,
-            directions: builder.directions,
-            thresholds,
-        })
-    }
-
-    /// The cells where no guard holds; `None` when there are too many to look at.
-    pub fn uncovered_cells(&self) -> Option<Vec<Cell>> {
-        let mut found = Vec::new();
-        let mut visits = 0;
-        let mut open: Vec<Cell> = vec![vec![None; self.directions.len()]];
-        while let Some(cell) = open.pop() {
-            visits += 1;
-            if visits > MOST_VISITS || found.len() > MOST_CELLS {
-                return None;
+impl Formula {
+    /// What is known where only some comparisons are decided: `order` says how a direction compares to a
+    /// threshold.
+    pub fn truth(&self, order: &impl Fn(usize, &BigRational) -> Option<Ordering>) -> Truth {
+        match self {
+            Formula::Constant(true) => Truth::True,
+            Formula::Constant(false) => Truth::False,
+            Formula::All(list) => {
+                let parts = list.iter().map(|part| part.truth(order));
+                parts.fold(Truth::True, Truth::and)
             }
-            match self.truth(&self.formula, &cell) {
-                Truth::True => {}
-                Truth::False => found.push(cell),
-                Truth::Unknown => {
-                    // Every comparison of a filled cell is decided, so one direction is open.
-                    let Some(next) = cell.iter().position(Option::is_none) else {
-                        continue;
-                    };
-                    let pieces = 2 * self.thresholds.get(next).map_or(0, Vec::len) + 1;
-                    for piece in 0..pieces {
-                        let mut finer = cell.clone();
-                        if let Some(slot) = finer.get_mut(next) {
-                            *slot = Some(piece);
-                        }
-                        open.push(finer);
-                    }
-                }
+            Formula::Any(list) => {
+                let parts = list.iter().map(|part| part.truth(order));
+                parts.fold(Truth::False, Truth::or)
             }
-        }
-        Some(found)
-    }
-
-    fn truth(&self, formula: &Formula, cell: &Cell) -> Truth {
-        match formula {
-            Formula::Constant(value) => {
-                if *value {
-                    Truth::True
-                } else {
-                    Truth::False
-                }
-            }
-            Formula::All(list) => list
-                .iter()
-                .fold(Truth::True, |all, part| all.and(self.truth(part, cell))),
-            Formula::Any(list) => list
-                .iter()
-                .fold(Truth::False, |any, part| any.or(self.truth(part, cell))),
             Formula::Comparison {
                 direction,
                 threshold,
                 relation,
+            } => match order(*direction, threshold) {
+                None => Truth::Unknown,
+                Some(order) if relation.admits(order) => Truth::True,
+                Some(_) => Truth::False,
+            },
+        }
+    }
+
+    /// The direction of a comparison that has to be decided before the formula is.
+    pub fn open_direction(
+        &self,
+        order: &impl Fn(usize, &BigRational) -> Option<Ordering>,
+    ) -> Option<usize> {
+        match self {
+            Formula::Constant(_) => None,
+            Formula::Comparison {
+                direction,
+                threshold,
+                ..
+            } => order(*direction, threshold).is_none().then_some(*direction),
+            Formula::All(list) | Formula::Any(list) => {
+                let open = list
+                    .iter()
+                    .filter(|part| part.truth(order) == Truth::Unknown);
+                open.filter_map(|part| part.open_direction(order)).next()
+            }
+        }
+    }
+
+    /// Adds every threshold to the list of its direction.
+    pub fn collect(&self, thresholds: &mut [Vec<BigRational>]) {
+        match self {
+            Formula::Constant(_) => {}
+            Formula::Comparison {
+                direction,
+                threshold,
+                ..
             } => {
-                let piece = cell.get(*direction).copied().flatten();
-                let list = self.thresholds.get(*direction);
-                let (Some(piece), Some(Ok(index))) =
-                    (piece, list.map(|list| list.binary_search(threshold)))
-                else {
-                    return Truth::Unknown;
-                };
-                let holds = relation.admits(piece.cmp(&(2 * index + 1)));
-                if holds { Truth::True } else { Truth::False }
-            }
-        }
-    }
-
-    /// The pieces that make up a cell.
-    pub fn bounds(&self, cell: &Cell) -> Vec<Piece> {
-        let mut found = Vec::new();
-        for ((direction, list), piece) in self.directions.iter().zip(&self.thresholds).zip(cell) {
-            let Some(piece) = *piece else { continue };
-            let is_point = piece % 2 == 1;
-            let at = |index: Option<usize>| index.and_then(|index| list.get(index).cloned());
-            found.push(Piece {
-                direction: Affine {
-                    terms: direction.clone(),
-                    constant: BigRational::zero(),
-                },
-                lower: at(if is_point {
-                    Some(piece / 2)
-                } else {
-                    (piece / 2).checked_sub(1)
-                }),
-                upper: at(Some(piece / 2)),
-                is_closed: is_point,
-            });
-        }
-        found
-    }
-
-    /// The cell in the user's names: `x = 0 and u < 1`.
-    pub fn describe(&self, cell: &Cell, graph: &mut Graph, names: &Names) -> String {
-        let mut parts = Vec::new();
-        for piece in self.bounds(cell) {
-            let e = piece.direction.build(graph);
-            let mut shown = |value: &BigRational| {
-                let e = graph.constant(value.clone());
-                graph.show(e, names)
-            };
-            let (lower, upper) = (
-                piece.lower.as_ref().map(&mut shown),
-                piece.upper.as_ref().map(&mut shown),
-            );
-            // A difference that is compared with zero is shown by its two sides.
-            let sides = match *graph.node(e) {
-                Node::Binary(Binary::Sub, a, b) => {
-                    Some((graph.show(a, names), graph.show(b, names)))
+                if let Some(list) = thresholds.get_mut(*direction) {
+                    list.push(threshold.clone());
                 }
-                _ => None,
-            };
-            let text = graph.show(e, names);
-            let one_sided = |symbol: &str, threshold: String| match &sides {
-                Some((a, b)) if threshold == "0" => format!("{a} {symbol} {b}"),
-                _ => format!("{text} {symbol} {threshold}"),
-            };
-            parts.push(match (lower, upper) {
-                (Some(at), _) if piece.is_closed => one_sided("=", at),
-                (Some(lo), Some(hi)) => format!("{lo} < {text} < {hi}"),
-                (Some(lo), None) => one_sided(">", lo),
-                (None, Some(hi)) => one_sided("<", hi),
-                (None, None) => continue,
-            });
-        }
-        if parts.is_empty() {
-            "everywhere".to_string()
-        } else {
-            parts.join(" and ")
-        }
-    }
-}
-
-fn collect(formula: &Formula, thresholds: &mut [Vec<BigRational>]) {
-    match formula {
-        Formula::Constant(_) => {}
-        Formula::Comparison {
-            direction,
-            threshold,
-            ..
-        } => {
-            if let Some(list) = thresholds.get_mut(*direction) {
-                list.push(threshold.clone());
             }
-        }
-        Formula::All(list) | Formula::Any(list) => {
-            for part in list {
-                collect(part, thresholds);
+            Formula::All(list) | Formula::Any(list) => {
+                list.iter().for_each(|part| part.collect(thresholds));
             }
         }
     }
@@ -227,7 +98,7 @@ fn collect(formula: &Formula, thresholds: &mut [Vec<BigRational>]) {
 
 impl Relation {
     /// Whether a quantity that compares to the threshold like `order` fulfils the relation.
-    fn admits(self, order: std::cmp::Ordering) -> bool {
+    fn admits(self, order: Ordering) -> bool {
         match self {
             Relation::Less => order.is_lt(),
             Relation::LessEqual => order.is_le(),
@@ -250,14 +121,27 @@ impl Relation {
     }
 }
 
-struct Builder<'g> {
+/// Turns guards into formulas over directions that all of them share.
+pub(super) struct Builder<'g> {
     graph: &'g Graph,
-    directions: Vec<Direction>,
+    pub directions: Vec<Direction>,
+    /// Comparisons that stand in several guards are examined once.
+    known: HashMap<(ExprId, Relation), Formula>,
     comparisons: usize,
 }
 
-impl Builder<'_> {
-    fn guard(&mut self, guard: &Guard) -> Option<Formula> {
+impl<'g> Builder<'g> {
+    pub fn new(graph: &'g Graph) -> Self {
+        Builder {
+            graph,
+            directions: Vec::new(),
+            known: HashMap::new(),
+            comparisons: 0,
+        }
+    }
+
+    /// `None` when the guard is too long to be examined.
+    pub fn guard(&mut self, guard: &Guard) -> Option<Formula> {
         let list = |builder: &mut Self, list: &[Guard]| -> Option<Vec<Formula>> {
             list.iter().map(|part| builder.guard(part)).collect()
         };
@@ -266,8 +150,14 @@ impl Builder<'_> {
             Guard::All(parts) => Formula::All(list(self, parts)?),
             Guard::Any(parts) => Formula::Any(list(self, parts)?),
             Guard::Atom { expr, relation } => {
+                let key = (*expr, *relation);
+                if let Some(known) = self.known.get(&key) {
+                    return Some(known.clone());
+                }
                 let form = Affine::of(self.graph, *expr)?;
-                self.comparison(form, *relation)?
+                let formula = self.comparison(form, *relation)?;
+                self.known.insert(key, formula.clone());
+                formula
             }
         })
     }

@@ -10,10 +10,14 @@
 //!    a box inside of it: then there is a gap, and it is proved (module `search`).
 
 mod affine;
+mod cells;
 mod formula;
+mod overlap;
 mod search;
 
-use crate::coverage::formula::Claim;
+pub use overlap::{Doubt, Overlap, Overlaps};
+
+use crate::coverage::cells::Cells;
 use crate::coverage::search::{Domain, Settled};
 use crate::graph::{Binary, Graph, Node, Unary};
 use crate::model::{Coverage, Guard, Model};
@@ -42,17 +46,17 @@ pub(crate) fn examine(model: &Model, guards: &[Guard]) -> Finding {
     let names = model.names();
     let domain = Domain::of(model);
     let unproved = |why: &str| Finding::Covered(Coverage::Unproved(why.to_string()));
-    let Some(claim) = Claim::of(&graph, guards) else {
+    let Some(cells) = Cells::of(&graph, guards) else {
         return unproved("the guards are too long");
     };
-    let Some(mut cells) = claim.uncovered_cells() else {
+    let Some(mut uncovered) = cells.uncovered() else {
         return unproved("the guards hold too many comparisons");
     };
     let defined = definedness(&graph, guards, &domain);
     if !defined.in_domain {
         return unproved("a guard divides or takes a root or logarithm that may be undefined");
     }
-    if cells.is_empty() {
+    if uncovered.is_empty() {
         return Finding::Covered(if defined.everywhere {
             Coverage::Everywhere
         } else {
@@ -60,27 +64,27 @@ pub(crate) fn examine(model: &Model, guards: &[Guard]) -> Finding {
         });
     }
     // Cells with fewest equations first: in them a box can be proved to be a gap.
-    cells.sort_by_key(|cell| {
-        claim
+    uncovered.sort_by_key(|cell| {
+        cells
             .bounds(cell)
             .iter()
             .filter(|piece| piece.is_closed)
             .count()
     });
-    let share = search::BUDGET / cells.len();
+    let share = search::BUDGET / uncovered.len();
     let mut open = None;
-    for cell in &cells {
-        match search::settle(&mut graph, &claim.bounds(cell), &domain, share) {
+    for cell in &uncovered {
+        match search::settle(&mut graph, &cells.bounds(cell), &domain, share) {
             Settled::Empty => {}
             Settled::Contains(example) => {
-                let place = claim.describe(cell, &mut graph, &names);
+                let place = cells.describe(cell, &mut graph, &names);
                 return Finding::Gap(match example.describe(&names) {
                     None => place,
                     Some(example) => format!("{place} (for instance {example})"),
                 });
             }
             Settled::Unknown => {
-                open.get_or_insert_with(|| claim.describe(cell, &mut graph, &names));
+                open.get_or_insert_with(|| cells.describe(cell, &mut graph, &names));
             }
         }
     }

@@ -1,12 +1,12 @@
 //! Does a cell contain a point of the domain?
 
 use crate::coverage::affine::Affine;
-use crate::coverage::formula::Piece;
+use crate::coverage::cells::Piece;
 use crate::graph::{ExprId, Graph, Names, Node, Var};
 use num_rational::BigRational;
 use num_traits::Zero;
 use std::collections::VecDeque;
-use veribound_interval::{Interval, Truth, text};
+use veribound_interval::{Interval, Truth, rational_to_interval, text};
 
 /// Conditions evaluated on boxes for one model, shared by its cells.
 pub(crate) const BUDGET: usize = 20_000;
@@ -28,16 +28,14 @@ pub(crate) enum Settled {
 }
 
 /// A box of points, for the quantities that matter.
-pub(crate) struct Example {
-    vars: Vec<Var>,
-    values: Vec<Interval>,
-}
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Example(pub Vec<(Var, Interval)>);
 
 impl Example {
     /// The box rounded inward, so that it stays inside of what was proved.
     pub fn describe(&self, names: &Names) -> Option<String> {
         let mut parts = Vec::new();
-        for (var, value) in self.vars.iter().zip(&self.values) {
+        for (var, value) in &self.0 {
             let (lo, hi) = (text::upper(value.lo(), 4), text::lower(value.hi(), 4));
             let ordered = lo.parse::<f64>().ok()? < hi.parse::<f64>().ok()?;
             if ordered {
@@ -70,56 +68,155 @@ pub(crate) fn settle(
     let Some(conditions) = eliminate(graph, pieces, domain) else {
         return Settled::Unknown;
     };
-    let mut open_conditions = Vec::new();
-    for condition in conditions {
-        match graph.as_constant(condition.expr) {
-            Some(value) if condition.admits(value) => {}
-            Some(_) => return Settled::Empty,
-            None => open_conditions.push(condition),
-        }
+    let Some(question) = Question::of(graph, conditions, domain) else {
+        return Settled::Empty;
+    };
+    let mut is_complete = true;
+    let found = question.boxes(graph, question.start.clone(), budget, 1, &mut is_complete);
+    match found.into_iter().next() {
+        Some(example) => Settled::Contains(example),
+        None if is_complete => Settled::Empty,
+        None => Settled::Unknown,
     }
-    let mut vars: Vec<Var> = open_conditions
-        .iter()
-        .flat_map(|condition| graph.variables(condition.expr))
+}
+
+/// At most `most` boxes of the domain all points of which are in all pieces, the largest first; boxes with an
+/// inside, as far as the domain has one.
+pub(crate) fn inside(
+    graph: &mut Graph,
+    pieces: &[Piece],
+    domain: &Domain,
+    (budget, most): (usize, usize),
+) -> Vec<Example> {
+    let conditions = pieces.iter().cloned();
+    let conditions = conditions
+        .map(|piece| Condition::of(graph, piece))
         .collect();
-    vars.sort();
-    vars.dedup();
-    let start: Vec<Interval> = vars.iter().map(|var| domain.interval(*var)).collect();
-    let mut open = VecDeque::from([start.clone()]);
-    let mut left = budget;
-    while let Some(values) = open.pop_front() {
-        let Some(rest) = left.checked_sub(open_conditions.len().max(1)) else {
-            return Settled::Unknown;
-        };
-        left = rest;
+    let Some(question) = Question::of(graph, conditions, domain) else {
+        return Vec::new();
+    };
+    let start = question.narrowed(graph);
+    let mut sides = start.iter().zip(&question.start);
+    if sides.any(|(narrow, whole)| narrow.is_point() && !whole.is_point()) {
+        return Vec::new();
+    }
+    question.boxes(graph, start, budget, most, &mut true)
+}
+
+/// Conditions on quantities in their domain.
+struct Question {
+    conditions: Vec<Condition>,
+    vars: Vec<Var>,
+    start: Vec<Interval>,
+}
+
+impl Question {
+    /// `None` when a condition holds nowhere.
+    fn of(graph: &Graph, conditions: Vec<Condition>, domain: &Domain) -> Option<Question> {
+        let mut open = Vec::new();
+        for condition in conditions {
+            match graph.as_constant(condition.expr) {
+                Some(value) if condition.admits(value) => {}
+                Some(_) => return None,
+                None => open.push(condition),
+            }
+        }
+        let vars = open
+            .iter()
+            .flat_map(|condition| graph.variables(condition.expr));
+        let mut vars: Vec<Var> = vars.collect();
+        vars.sort();
+        vars.dedup();
+        Some(Question {
+            start: vars.iter().map(|var| domain.interval(*var)).collect(),
+            conditions: open,
+            vars,
+        })
+    }
+
+    /// The domain without what conditions on one quantity exclude.
+    fn narrowed(&self, graph: &Graph) -> Vec<Interval> {
+        let mut narrow = self.start.clone();
+        for condition in &self.conditions {
+            let Node::Var(var) = graph.node(condition.expr) else {
+                continue;
+            };
+            let index = self.vars.iter().position(|known| known == var);
+            let Some(value) = index.and_then(|index| narrow.get_mut(index)) else {
+                continue;
+            };
+            let step = |inside: f64, beyond: f64| if condition.is_closed { inside } else { beyond };
+            let lower = condition.lower.as_ref().map_or(value.lo(), |end| {
+                let end = rational_to_interval(end).hi();
+                step(end, end.next_up())
+            });
+            let upper = condition.upper.as_ref().map_or(value.hi(), |end| {
+                let end = rational_to_interval(end).lo();
+                step(end, end.next_down())
+            });
+            let (lo, hi) = (value.lo().max(lower), value.hi().min(upper));
+            if let Some(inner) = Interval::new(lo, hi) {
+                *value = inner;
+            }
+        }
+        narrow
+    }
+
+    /// At most `most` boxes inside of `start` in which all conditions hold everywhere, by bisection. Where
+    /// the budget ends before it is known that there are no others, `is_complete` becomes false.
+    fn boxes(
+        &self,
+        graph: &Graph,
+        start: Vec<Interval>,
+        budget: usize,
+        most: usize,
+        is_complete: &mut bool,
+    ) -> Vec<Example> {
+        let mut found = Vec::new();
+        let mut open = VecDeque::from([start]);
+        let mut left = budget;
+        while let Some(values) = open.pop_front() {
+            let rest = left.checked_sub(self.conditions.len().max(1));
+            let Some(rest) = rest.filter(|_| found.len() < most) else {
+                *is_complete = false;
+                break;
+            };
+            left = rest;
+            let (truth, undecided) = self.ask(graph, &values);
+            match truth {
+                Truth::False => {}
+                Truth::True => {
+                    let box_ = self.vars.iter().copied().zip(values);
+                    found.push(Example(box_.collect()));
+                }
+                Truth::Unknown => match halves(&self.vars, &values, &self.start, &undecided) {
+                    Some((left, right)) => open.extend([left, right]),
+                    None => *is_complete = false,
+                },
+            }
+        }
+        found
+    }
+
+    /// Whether all conditions hold for all, or for no, values in a box; and the quantities in those of which
+    /// that is not known.
+    fn ask(&self, graph: &Graph, values: &[Interval]) -> (Truth, Vec<Var>) {
         let value = |var: Var| {
-            let index = vars.iter().position(|known| *known == var);
-            index
-                .and_then(|index| values.get(index).copied())
-                .unwrap_or(Interval::ENTIRE)
+            let index = self.vars.iter().position(|known| *known == var);
+            let value = index.and_then(|index| values.get(index).copied());
+            value.unwrap_or(Interval::ENTIRE)
         };
         let mut all = Truth::True;
         let mut undecided = Vec::new();
-        for condition in &open_conditions {
+        for condition in &self.conditions {
             let truth = condition.truth(graph.eval_interval(condition.expr, &value));
             if truth == Truth::Unknown {
                 undecided.extend(graph.variables(condition.expr));
             }
             all = all.and(truth);
         }
-        match all {
-            Truth::False => {}
-            Truth::True => return Settled::Contains(Example { vars, values }),
-            Truth::Unknown => {
-                let Some((left, right)) = halves(&vars, &values, &start, &undecided) else {
-                    return Settled::Unknown;
-                };
-                open.push_back(left);
-                open.push_back(right);
-            }
-        }
+        (all, undecided)
     }
-    Settled::Empty
 }
 
 /// Solves each piece that is a single value for one variable and puts it into all others; the
@@ -159,13 +256,12 @@ fn eliminate(graph: &mut Graph, pieces: &[Piece], domain: &Domain) -> Option<Vec
         });
     }
     done.extend(open);
-    let conditions = done.into_iter().map(|piece| Condition {
-        expr: piece.direction.build(graph),
-        lower: piece.lower,
-        upper: piece.upper,
-        is_closed: piece.is_closed,
-    });
-    Some(conditions.collect())
+    let conditions = done.into_iter();
+    Some(
+        conditions
+            .map(|piece| Condition::of(graph, piece))
+            .collect(),
+    )
 }
 
 /// A term that is a variable which occurs in no other term.
@@ -220,6 +316,15 @@ fn halves(
 }
 
 impl Condition {
+    fn of(graph: &mut Graph, piece: Piece) -> Condition {
+        Condition {
+            expr: piece.direction.build(graph),
+            lower: piece.lower,
+            upper: piece.upper,
+            is_closed: piece.is_closed,
+        }
+    }
+
     /// Whether one exact value lies in the piece.
     fn admits(&self, value: &BigRational) -> bool {
         let above = self.lower.as_ref().is_none_or(|lo| {
