@@ -116,6 +116,17 @@ impl Windows {
         }
     }
 
+    /// Forgets what a box knows of rates that jumped: they are no integrals of their derivatives.
+    pub(crate) fn forget(&self, cell: &mut Cell, jumped: &[usize]) {
+        let pairs = self.pairs.iter();
+        let each = pairs.flat_map(|pair| self.windows.iter().map(|_| jumped.contains(&pair.rate)));
+        for (memory, jumped) in cell.memories.iter_mut().zip(each) {
+            if jumped {
+                memory.moment = Interval::ENTIRE;
+            }
+        }
+    }
+
     /// Moves the clock of all windows, once all boxes took note of the step.
     pub(crate) fn advance(&mut self, dt: Interval) {
         for window in &mut self.windows {

@@ -183,28 +183,26 @@ impl Observer {
     /// Errors are misuse; what can and cannot be proved is in the [`Verdict`].
     pub fn step(&mut self, sample: &Sample) -> Result<Verdict, Misuse> {
         self.check(sample)?;
-        let before = self.box_steps;
+        let steps_before = self.box_steps;
         let position = self.samples;
-        if let Some((time, inputs)) = self.held.take() {
-            let dt = (&sample.time - &time).to_interval();
+        let held = self.held.take();
+        if let Some((time, inputs)) = &held {
+            let dt = (&sample.time - time).to_interval();
             let turn = position.is_multiple_of(self.options.every as u64);
             if turn {
-                self.bisect(&inputs, dt);
+                self.bisect(inputs, dt);
             }
-            if let Err((reason, cell)) = self.integrate(&inputs, dt) {
-                self.finished = true;
-                return Ok(Verdict::Undecided(Undecided {
-                    sample: position,
-                    line: sample.line,
-                    time: sample.time.clone(),
-                    reason,
-                    cell,
-                }));
+            if let Err((reason, cell)) = self.integrate(inputs, dt) {
+                return Ok(self.undecided((position, sample), reason, cell));
             }
         }
         self.samples += 1;
         self.measurements.note_signals(sample);
         let resets = self.reset(sample);
+        let before = held.as_ref().map(|(_, inputs)| inputs.as_slice());
+        if let Err((reason, cell)) = self.jump(sample, before, &resets) {
+            return Ok(self.undecided((position, sample), reason, cell));
+        }
         if let Err(contradiction) = self.narrow(sample) {
             self.finished = true;
             return Ok(Verdict::Inconsistent(Refutation {
@@ -227,7 +225,7 @@ impl Observer {
         Ok(Verdict::Consistent(self.estimate(
             sample,
             resets,
-            self.box_steps - before,
+            self.box_steps - steps_before,
         )))
     }
 
@@ -516,6 +514,66 @@ impl Observer {
             self.boxes_max = self.boxes_max.max(self.cells.len());
         }
         done
+    }
+
+    /// What jumps at the sample because an input or a parameter is a new one there, or because it starts
+    /// there: a measurement may be of the state before or after that.
+    ///
+    /// What jumps there for other reasons did so at the end of the step before.
+    fn jump(
+        &mut self,
+        sample: &Sample,
+        inputs_before: Option<&[Interval]>,
+        resets: &[bool],
+    ) -> Result<(), (StepFailure, Vec<Interval>)> {
+        if !self.system.jumps() {
+            return Ok(());
+        }
+        let states = self.system.layout().states;
+        let mut changed = vec![inputs_before.is_none(); states];
+        match inputs_before {
+            None => changed.resize(self.system.layout().len(), true),
+            Some(before) => {
+                changed.extend(resets);
+                let inputs = sample.inputs.iter().zip(before);
+                changed.extend(inputs.map(|(now, before)| !now.is_subset_of(*before)));
+            }
+        }
+        let mut added = Vec::new();
+        for cell in &self.cells {
+            let (x, p) = cell.z.split_at(states);
+            let (system, w) = (&self.system, &mut self.workspace);
+            let jumps = system.jump_at_once(x, p, &sample.inputs, &changed, w);
+            let Some(jumps) = jumps.map_err(|reason| (reason, cell.z.clone()))? else {
+                continue;
+            };
+            for end in jumps.ends {
+                let mut other = cell.clone();
+                other.z[..states].copy_from_slice(&end);
+                self.windows.forget(&mut other, &jumps.jumped);
+                added.push(other);
+            }
+        }
+        for cell in added {
+            insert(&mut self.cells, cell);
+        }
+        Ok(())
+    }
+
+    fn undecided(
+        &mut self,
+        (position, sample): (u64, &Sample),
+        reason: StepFailure,
+        cell: Vec<Interval>,
+    ) -> Verdict {
+        self.finished = true;
+        Verdict::Undecided(Undecided {
+            sample: position,
+            line: sample.line,
+            time: sample.time.clone(),
+            reason,
+            cell,
+        })
     }
 
     /// Marks every box with the modes possible on it, with the input of the coming step.

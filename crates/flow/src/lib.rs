@@ -17,7 +17,7 @@ mod step;
 mod system;
 
 pub use apriori::AprioriFailure;
-pub use jump::reduced;
+pub use jump::{AtOnce, reduced};
 pub use modes::ModeSet;
 pub use step::{Branch, StepFailure, StepOptions, StepReport, Workspace};
 pub use system::{Integral, System};

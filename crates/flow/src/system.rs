@@ -173,6 +173,11 @@ impl System {
         self.layout
     }
 
+    /// Whether states can jump.
+    pub fn jumps(&self) -> bool {
+        !self.jumps.is_empty()
+    }
+
     /// The pairs of states of which one is the integral of the other.
     pub fn integrals(&self) -> &[Integral] {
         &self.integrals

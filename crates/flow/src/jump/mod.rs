@@ -15,20 +15,27 @@
 //!   On the tube between the two times the rate is bounded more tightly, and so on. Then the images
 //!   of the jump go on from the second time, and their sweep over the time between covers that jumps
 //!   happen at different times.
+//! * **Rest.** A solution that no flow takes away from a point, and that a jump leaves where it is, rests:
+//!   what the jump sets stays, the other states go on. The point is in `C` and in the jump's region, so
+//!   while it is in `A` it is in the image of a jump too. Where it moves out through a face of `A`, the
+//!   rate of that face, taken over `C`, moves the face out in the tube as well, and with it the image; so
+//!   no sweep ends, and no image is passed over, before `A` contains all that the other states can drift.
 //!
 //! A solution that has not jumped and one that has are different boxes, so that neither loses what is
 //! known of it. After some jumps in one stretch a sweep covers the rest of it, which ends the chain of
 //! ever shorter flights of a ball that comes to rest.
 
+mod at_once;
 mod solve;
 mod timing;
 
+pub use at_once::AtOnce;
 pub use solve::reduced;
 
 use crate::system::Integral;
 use timing::{Atom, Timing};
 use veribound_interval::lanes::Interval8;
-use veribound_model::{ExprId, Graph, Layout, Model, Tape};
+use veribound_model::{ExprId, Graph, Guard, Layout, Model, Tape, Var};
 
 /// All jumps of a model.
 #[derive(Debug, Clone, Default)]
@@ -46,6 +53,8 @@ struct Jump {
     states: Vec<usize>,
     /// Their new values.
     values: Tape,
+    /// Quantities, by their position in the layout, in its condition or in new values.
+    reads: Vec<usize>,
 }
 
 /// Scratch for [`Jumps`].
@@ -66,8 +75,11 @@ impl Jumps {
         let mut atoms = Vec::new();
         let jumps = model.jumps.iter().map(|jump| {
             let (states, values): (Vec<usize>, Vec<ExprId>) = jump.set.iter().copied().unzip();
+            let mut read: Vec<Var> = values.iter().flat_map(|e| graph.variables(*e)).collect();
+            compared(&jump.guard, graph, &mut read);
             Jump {
                 timing: Timing::compile(&jump.guard, graph, layout, &mut atoms),
+                reads: read.into_iter().map(|var| layout.index(var)).collect(),
                 states,
                 values: Tape::compile(graph, layout, &values),
             }
@@ -94,6 +106,19 @@ impl Jumps {
         JumpRegisters {
             values: jumps.map(|jump| jump.values.registers()).collect(),
             atoms: atoms.map(Atom::registers).collect(),
+        }
+    }
+}
+
+/// The quantities in a condition.
+fn compared(guard: &Guard, graph: &Graph, found: &mut Vec<Var>) {
+    match guard {
+        Guard::Always => {}
+        Guard::Atom { expr, .. } => found.extend(graph.variables(*expr)),
+        Guard::All(parts) | Guard::Any(parts) => {
+            for part in parts {
+                compared(part, graph, found);
+            }
         }
     }
 }

@@ -65,6 +65,8 @@ struct Window {
     base: Interval,
     span: f64,
     tube: Box,
+    /// Every velocity of flows in it.
+    velocity: Box,
     /// Before the end of the step every solution has jumped.
     is_forced: bool,
     /// Everything that touches a condition's region at the start can flow off and does so at once.
@@ -125,17 +127,8 @@ impl System {
         w: &mut Workspace,
     ) -> Result<Flight, StepFailure> {
         let halvings = w.halvings();
-        let mut solver = Solver {
-            system: self,
-            params: params.to_vec(),
-            inputs,
-            w,
-            candidate: Candidate::default(),
-            tube: start.to_vec(),
-            velocity: vec![Interval::EMPTY; start.len()],
-            jumped: Vec::new(),
-            budget: MOST_FLOWS.saturating_mul(parts as u32),
-        };
+        let mut solver = Solver::new(self, start, params, inputs, w);
+        solver.budget = MOST_FLOWS.saturating_mul(parts as u32);
         let part = dt / Interval::point(parts as f64);
         let mut ends = vec![start.to_vec()];
         for _ in 0..parts {
@@ -161,7 +154,34 @@ impl System {
     }
 }
 
-impl Solver<'_> {
+impl<'a> Solver<'a> {
+    pub(super) fn new(
+        system: &'a System,
+        start: &[Interval],
+        params: &[Interval],
+        inputs: &'a [Interval],
+        w: &'a mut Workspace,
+    ) -> Solver<'a> {
+        Solver {
+            system,
+            params: params.to_vec(),
+            inputs,
+            w,
+            candidate: Candidate::default(),
+            tube: start.to_vec(),
+            velocity: vec![Interval::EMPTY; start.len()],
+            jumped: Vec::new(),
+            budget: MOST_FLOWS,
+        }
+    }
+
+    /// States that may have jumped, each once.
+    pub(super) fn jumped(mut self) -> Vec<usize> {
+        self.jumped.sort_unstable();
+        self.jumped.dedup();
+        self.jumped
+    }
+
     /// Boxes with every solution from `x` after `dt`.
     fn advance_or_halve(
         &mut self,
@@ -214,12 +234,14 @@ impl Solver<'_> {
                 base: Interval::ZERO,
                 span: 0.0,
                 tube: x.to_vec(),
+                velocity: vec![Interval::EMPTY; x.len()],
                 is_forced: false,
                 flows_off: false,
             });
         }
         for window in windows {
             self.widen_tube(&window.tube);
+            self.velocity = hull(&self.velocity, &window.velocity);
             let rest = dt - window.base;
             for (_, image) in self.images(&window.tube)? {
                 // Jumps at the start into the box itself lead to solutions that are followed already.
@@ -269,7 +291,7 @@ impl Solver<'_> {
 
     /// Boxes that together contain every solution from `x` at all times up to `most`: one before the
     /// first jump and others after, so that a memory is either old or new.
-    fn sweep_apart(
+    pub(super) fn sweep_apart(
         &mut self,
         x: &[Interval],
         most: f64,
@@ -310,6 +332,7 @@ impl Solver<'_> {
             base: Interval::ZERO,
             span: dt.hi(),
             tube: self.narrowed_tube(x, flow),
+            velocity: flow.velocity.clone(),
             is_forced: false,
             flows_off: false,
         };
@@ -318,14 +341,16 @@ impl Solver<'_> {
             let Some(times) = self.times(&at, &window.tube)? else {
                 return Ok(None);
             };
-            if times.earliest >= window.span {
-                // At the end itself it may happen.
-                if times.earliest > window.span || window.is_forced {
-                    return Ok(None);
-                }
+            if times.earliest > window.span {
+                return Ok(None);
+            }
+            // At the end itself it may happen, and must where it was forced before.
+            if times.earliest == window.span {
                 break;
             }
-            window.is_forced |= times.certain < (dt - window.base).lo();
+            // Beyond the window nothing is known of the rates.
+            let is_known = times.certain <= window.span;
+            window.is_forced |= is_known && times.certain < (dt - window.base).lo();
             let last = window.span.min(times.certain).min(times.last);
             if last < times.earliest {
                 return Ok(None);
@@ -358,6 +383,7 @@ impl Solver<'_> {
             if span > 0.0 {
                 let flow = self.flow(&flowing, Interval::point(span))?;
                 window.tube = hull(&self.narrowed_tube(&flowing, &flow), &at);
+                window.velocity = flow.velocity;
             } else {
                 break;
             }
@@ -399,7 +425,7 @@ impl Solver<'_> {
     }
 
     /// Every jump that may happen on a box, with its image.
-    fn images(&mut self, x: &[Interval]) -> Result<Vec<(usize, Box)>, StepFailure> {
+    pub(super) fn images(&mut self, x: &[Interval]) -> Result<Vec<(usize, Box)>, StepFailure> {
         let mut images = Vec::new();
         for (number, jump) in self.system.jumps.list.iter().enumerate() {
             let mut q = self.load(x);
@@ -784,4 +810,31 @@ fn overlap(a: &[Interval], b: &[Interval]) -> bool {
 fn growth(a: &[Interval], b: &[Interval]) -> f64 {
     let of = |(a, b): (&Interval, &Interval)| a.hull(*b).width() - a.width().max(b.width());
     a.iter().zip(b).map(of).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every box stays inside of one of those that are left, however many there were.
+    #[test]
+    fn fewer_boxes_contain_all() {
+        let range = |lo: f64, width: f64| Interval::new(lo, lo + width).unwrap_or(Interval::EMPTY);
+        for count in [1, 2, 6, 7, 20] {
+            let boxes: Vec<Box> = (0..count)
+                .map(|i| {
+                    let i = f64::from(i);
+                    vec![range(i * i, 0.9), range(10.0 - 7.0 * i, 1.0)]
+                })
+                .collect();
+            let left = reduced(boxes.clone());
+            assert!(left.len() <= MOST_ENDS, "{left:?}");
+            for x in &boxes {
+                assert!(
+                    left.iter().any(|y| is_inside(x, y)),
+                    "{x:?} not in {left:?}"
+                );
+            }
+        }
+    }
 }

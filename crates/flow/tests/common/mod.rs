@@ -9,6 +9,8 @@
     reason = "a test fails by panicking; every test file uses a part of this"
 )]
 
+pub mod hybrid;
+pub mod jumping;
 pub mod models;
 pub mod smooth;
 pub mod truth;
