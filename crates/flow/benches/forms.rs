@@ -71,8 +71,31 @@ fn laub_loomis(name: &'static str, start: [[&'static str; 2]; 7], width: f64) ->
     }
 }
 
+fn leak(text: &str) -> &'static str {
+    Box::leak(text.to_string().into_boxed_str())
+}
+
 fn model_text(states: &str, inputs: &str, params: &str, der: &str) -> &'static str {
     Box::leak(model(states, inputs, params, der).into_boxed_str())
+}
+
+/// Another level every two seconds, sampled every 10 ms.
+fn levels(seconds: u32) -> Vec<(&'static str, Vec<&'static str>)> {
+    let list = [
+        "0.4", "0.1", "-0.3", "0.2", "-0.1", "-0.5", "0.05", "0.3", "-0.2", "0",
+    ];
+    (0..100 * seconds)
+        .map(|k| ("0.01", vec![list[(k / 200) as usize % list.len()]]))
+        .collect()
+}
+
+/// A motor with dry friction under a sampled sine, ten seconds long.
+fn sampled_sine() -> Vec<(&'static str, Vec<&'static str>)> {
+    let level = |k: u32| {
+        let text = format!("{:.17}", 0.25 * (0.8 * f64::from(k) * 0.01).sin());
+        &*Box::leak(text.into_boxed_str())
+    };
+    (0..1000).map(|k| ("0.01", vec![level(k)])).collect()
 }
 
 fn cases() -> Vec<Case> {
@@ -126,6 +149,92 @@ fn cases() -> Vec<Case> {
                 (1, 4.2441, 1.01 * 4.2441),
             ],
             milliseconds: 10.0,
+        },
+        Case {
+            name: "B3",
+            model: model_text(
+                "x1 x2",
+                "u",
+                "alpha = [-2.05, -1.95]\nbeta = [99, 101]\nT = [0.098, 0.102]",
+                "x1 = \"x2\"\nx2 = \"alpha*x2 + beta*(u - friction(x2, u, T))\"",
+            ),
+            start: vec![["0", "0"], ["0", "0"]],
+            params: vec![["-2.05", "-1.95"], ["99", "101"], ["0.098", "0.102"]],
+            stretches: sampled_sine(),
+            wanted: vec![(0, 0.474, 1.2 * 0.474), (1, 0.556, 1.2 * 0.556)],
+            milliseconds: 100.0,
+        },
+        Case {
+            name: "rig, 80 s",
+            model: model_text(
+                "x1 x2",
+                "u",
+                "alpha = [-2.05, -1.95]\nbeta = [99, 101]\nT = [0.098, 0.102]",
+                "x1 = \"x2\"\nx2 = \"alpha*x2 + beta*(u - friction(x2, u, T))\"",
+            ),
+            start: vec![["0", "0"], ["0", "0"]],
+            params: vec![
+                ["-2.001", "-1.999"],
+                ["199.9", "200.1"],
+                ["0.149925", "0.150075"],
+            ],
+            stretches: levels(80),
+            wanted: vec![(0, 0.0, 1e9), (1, 0.0, 1e9)],
+            milliseconds: 800.0,
+        },
+        Case {
+            name: "pendulum, 30 s",
+            model: model_text(
+                "theta omega",
+                "",
+                "a = [48.60, 48.62]\nb = [0.017, 0.018]\nc = [0.48, 0.485]",
+                "theta = \"omega\"\nomega = \"-a*sin(theta) - b*omega - friction(omega, -a*sin(theta), c)\"",
+            ),
+            start: vec![["1", "1"], ["0", "0"]],
+            params: vec![["48.60", "48.62"], ["0.017", "0.018"], ["0.48", "0.485"]],
+            stretches: vec![("0.1", vec![]); 300],
+            wanted: vec![(0, 0.0, 1e9), (1, 0.0, 1e9)],
+            milliseconds: 800.0,
+        },
+        Case {
+            name: "belt",
+            model: model_text(
+                "x v",
+                "",
+                "mu = [0.3, 0.35]",
+                "x = \"v\"\nv = \"-x - 0.1*v - friction(v - 0.2, -x - 0.1*v, mu)\"",
+            ),
+            start: vec![["1", "1.05"], ["0", "0"]],
+            params: vec![["0.3", "0.35"]],
+            stretches: vec![("20", vec![])],
+            wanted: vec![(0, 0.0661, 1.2 * 0.0661), (1, 0.0377, 1.2 * 0.0377)],
+            milliseconds: 100.0,
+        },
+        Case {
+            name: "tanks",
+            model: model_text(
+                "h1 h2",
+                "",
+                "c12 = [0.36, 0.44]",
+                "h1 = \"0.35 - c12*sqrt(h1) - 2*max(0, h1 - 0.5)\"\nh2 = \"c12*sqrt(h1) - 0.3*sqrt(h2)\"",
+            ),
+            start: vec![["0.1", "0.15"], ["0.2", "0.3"]],
+            params: vec![["0.36", "0.44"]],
+            stretches: vec![("1", vec![]); 10],
+            wanted: vec![(0, 0.0, 1.0), (1, 0.0, 1.0)],
+            milliseconds: 100.0,
+        },
+        Case {
+            name: "ball",
+            model: leak(
+                "format = 1\nstates = [\"h\", \"v\"]\n[init]\nh = 1\nv = 0\n[der]\nh = \"v\"\nv = \"-9.81\"\n[jumps]\n\
+                 bounce = { when = \"h <= 0 and v < 0\", set = { v = \"-0.75*v\" } }\n[outputs]\nmeasured = \"h +- 1\"\n",
+            ),
+            start: vec![["0.95", "1.05"], ["-0.05", "0.05"]],
+            params: vec![],
+            stretches: vec![("0.1", vec![]); 17],
+            wanted: vec![(0, 0.0, 1.0), (1, 0.0, 1.0)],
+            milliseconds: 100.0,
         },
         laub_loomis(
             "Laub-Loomis 0.01",
@@ -220,7 +329,7 @@ fn main() {
         }
         let model = Model::from_text(case.name, case.model)
             .unwrap_or_else(|problems| panic!("{}", problems.render(false)));
-        let flow = Flow::new(&model).unwrap();
+        let flow = Flow::new(&model);
         let begin = (Instant::now(), processor_time());
         let mut count = 0;
         let mut last = run(&case, &flow, options, effort);

@@ -2,7 +2,7 @@
 //!
 //! A model is compiled once into a [`System`]; [`System::step`] then moves boxes of states over
 //! stretches of time such that no Filippov solution is lost. [`form`] moves sets that keep how states
-//! depend on start values and parameters, for models with one right-hand side.
+//! depend on start values and parameters, across switches too.
 
 mod advance;
 mod apriori;

@@ -284,7 +284,11 @@ impl RightHandSide {
     clippy::needless_range_loop,
     reason = "two modes are indexed by the same position"
 )]
-fn agree_on_guards(graph: &mut Graph, model: &Model, derivatives: &mut [Vec<(usize, ExprId)>]) {
+pub(crate) fn agree_on_guards(
+    graph: &mut Graph,
+    model: &Model,
+    derivatives: &mut [Vec<(usize, ExprId)>],
+) {
     for group in &model.groups {
         for mode in group.modes.clone() {
             let mut equalities = Vec::new();

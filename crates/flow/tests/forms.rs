@@ -18,7 +18,7 @@ use veribound_interval::Interval;
 const SLACK: f64 = 1e-11;
 
 fn flow(text: &str) -> Flow {
-    Flow::new(&read("form", text)).unwrap()
+    Flow::new(&read("form", text))
 }
 
 fn has(x: Interval, value: f64, slack: f64) -> bool {
@@ -45,6 +45,9 @@ fn attack(model: &Smooth, rng: &mut Rng, checks: &mut usize) {
     let states: Vec<Interval> = model.states.iter().map(|r| part(rng, *r, widest)).collect();
     let params: Vec<Interval> = model.params.iter().map(|r| part(rng, *r, widest)).collect();
     let mut form = flow.start(&states, &params, random_options(rng));
+    // Steps over kinks are of second order only; `forms_switching` locates them.
+    let bent = model.name.contains("kinks");
+    let (slack, longest) = if bent { (4e-8, 2e-4) } else { (SLACK, 0.02) };
     let mut points: Vec<Solution> = (0..12)
         .map(|_| {
             let start: Vec<f64> = states.iter().map(|r| rng.inside(*r)).collect();
@@ -69,9 +72,15 @@ fn attack(model: &Smooth, rng: &mut Rng, checks: &mut usize) {
             let changes = 1 + rng.below(4);
             for _ in 0..changes {
                 let u: Vec<f64> = inputs.iter().map(|r| rng.inside(*r)).collect();
-                travel(model.rate, x, p, &u, dt / changes as f64, 0.02);
+                // Steps over kinks are of second order only.
+                let longest = if model.name.contains("kinks") {
+                    2e-4
+                } else {
+                    0.02
+                };
+                travel(model.rate, x, p, &u, dt / changes as f64, longest);
                 for (x, tube) in x.iter().zip(&tube) {
-                    assert!(has(*tube, *x, SLACK), "{}: {x} in {tube}", model.name);
+                    assert!(has(*tube, *x, slack), "{}: {x} in {tube}", model.name);
                     *checks += 1;
                 }
             }
@@ -81,7 +90,7 @@ fn attack(model: &Smooth, rng: &mut Rng, checks: &mut usize) {
             for (i, x) in x.iter().enumerate() {
                 let name = model.name;
                 assert!(
-                    has(hull[i], *x, SLACK),
+                    has(hull[i], *x, slack),
                     "{name}: state {i}: {x} in {}",
                     hull[i]
                 );
@@ -93,7 +102,7 @@ fn attack(model: &Smooth, rng: &mut Rng, checks: &mut usize) {
                 );
                 let affine = form.state(i);
                 let value = at(&form, &affine, start, p);
-                assert!(has(value, *x, SLACK), "{name}: {x} in {value} by the form");
+                assert!(has(value, *x, slack), "{name}: {x} in {value} by the form");
                 *checks += 2;
             }
         }
@@ -136,7 +145,7 @@ fn contraction_keeps_the_truth() {
     {
         let text = read(model.name, model.text);
         let output = Output::new(&text, text.outputs[0].expr);
-        let flow = Flow::new(&text).unwrap();
+        let flow = Flow::new(&text);
         for _ in 0..12 {
             let states: Vec<Interval> = model
                 .states

@@ -1,12 +1,15 @@
-//! The polynomial of a state ahead of time, with what rounding takes from it.
+//! The polynomial of a state ahead of time, with what rounding takes from it; ahead by one time, or by a
+//! time of its own for every value of the unknowns.
 #![allow(
     clippy::indexing_slicing,
     reason = "PROOF: blocks own `monomials * stride` numbers, of which there are at least two"
 )]
 
+use super::monomials::Monomials;
 use super::outward::{UNIT, raised};
 use super::set::two_sum;
 use super::size::Size;
+use veribound_interval::Interval;
 
 /// A state at scaled time `end`.
 pub(super) struct Ahead {
@@ -60,6 +63,59 @@ pub(super) fn ahead(
         polynomial,
         low,
     }
+}
+
+/// The polynomial of a state at times that are themselves a polynomial in the unknowns, and what rounding
+/// and truncation can have taken.
+///
+/// Proof. Horner's rule, `acc <- acc t + x_j`: what a product loses is told by [`Size::product`], and what
+/// was lost before is multiplied by at most the sum of the absolute coefficients of `t`.
+pub(super) fn later(
+    monomials: &Monomials,
+    block: &[f64],
+    (orders, stride): (usize, usize),
+    time: &[f64],
+) -> (Vec<f64>, f64) {
+    let count = monomials.len();
+    let (mut time_size, mut acc_size) = (Size::new(monomials, 1), Size::new(monomials, 1));
+    time_size.measure(monomials, time, &[1.0], 0);
+    let mut acc = vec![0.0; count];
+    let mut next = vec![0.0; count];
+    let mut lost = 0.0;
+    for j in (0..=orders).rev() {
+        acc_size.measure(monomials, &acc, &[1.0], 0);
+        multiply(monomials, &acc, time, &mut next);
+        let product = acc_size.product(&time_size, monomials, 0);
+        let mut rounding = 0.0;
+        for (a, slot) in next.iter_mut().enumerate() {
+            *slot += block[a * stride + j];
+            rounding += slot.abs();
+        }
+        std::mem::swap(&mut acc, &mut next);
+        lost = raised(
+            lost * time_size.total + product + UNIT * rounding,
+            count + 4,
+        );
+    }
+    (acc, lost)
+}
+
+/// The product of two polynomials in the unknowns, as far as the table reaches.
+pub(super) fn multiply(monomials: &Monomials, a: &[f64], b: &[f64], into: &mut [f64]) {
+    for (c, slot) in into.iter_mut().enumerate() {
+        let factors = monomials.factors(c).iter();
+        *slot = factors.map(|&(x, y)| a[x as usize] * b[y as usize]).sum();
+    }
+}
+
+/// Encloses a polynomial in the unknowns, quickly.
+pub(super) fn around(polynomial: &[f64]) -> Interval {
+    let size: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
+    let middle = Interval::point(polynomial[0]);
+    if size == 0.0 {
+        return middle;
+    }
+    middle.inflate(raised(size, polynomial.len()))
 }
 
 #[cfg(test)]

@@ -87,7 +87,8 @@ impl Code {
                 break;
             }
         }
-        let mut first = primary.to_vec();
+        // States are moved with all orders, also those that no rate depends on.
+        let mut first = [primary, &variables[..]].concat();
         loop {
             let reached = graph.reachable(&first);
             let count = first.len();

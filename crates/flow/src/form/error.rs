@@ -124,11 +124,18 @@ impl Errors {
                 let step = &code.instructions[a];
                 !step.uncertain && !step.moving
             };
+            // Orders of an operand beyond those of this register.
+            let cut = |a: usize| match sizes[a].top > own.top {
+                true => raised(sizes[a].time[own.top + 1..].iter().sum(), sizes[a].top),
+                false => 0.0,
+            };
             self.own[register] = match step.op {
                 Op::Constant(_) | Op::Param(_) | Op::Input(_) => given(step.op),
-                Op::State(_) | Op::Neg(_) | Op::Abs(_) | Op::Sign(_) | Op::Impulse(_) => 0.0,
-                Op::Add(..) | Op::Sub(..) => rounded,
-                Op::Mul(a, b) if certain(a) || certain(b) => rounded,
+                Op::State(_) | Op::Sign(_) | Op::Impulse(_) => 0.0,
+                Op::Neg(a) | Op::Abs(a) => cut(a),
+                Op::Add(a, b) | Op::Sub(a, b) => raised(rounded + cut(a) + cut(b), 2),
+                Op::Mul(a, b) if certain(a) => raised(rounded + sizes[a].total * cut(b), 3),
+                Op::Mul(a, b) if certain(b) => raised(rounded + sizes[b].total * cut(a), 3),
                 Op::Mul(a, b) => sizes[a].product(&sizes[b], monomials, own.top),
                 Op::Square(a) => sizes[a].product(&sizes[a], monomials, own.top),
                 Op::Recip(a) => {
@@ -191,7 +198,7 @@ impl Errors {
             let radius = match step.op {
                 Op::Constant(_) | Op::Param(_) | Op::Input(_) => own,
                 Op::State(i) => states[i],
-                Op::Neg(a) => radii[a],
+                Op::Neg(a) => raised(own + radii[a], 1),
                 Op::Add(a, b) | Op::Sub(a, b) => raised(own + radii[a] + radii[b], 2),
                 Op::Mul(a, b) => {
                     let (x, y) = (radii[a], radii[b]);
@@ -225,7 +232,7 @@ impl Errors {
                 // With the sign s of the constant, |s y - |y|| = 2 max(0, -s y) for the true value y.
                 Op::Abs(a) => {
                     let over = reach(a, radii) - sizes[a].centre.abs();
-                    raised(radii[a] + 2.0 * over.max(0.0), 3)
+                    raised(own + radii[a] + 2.0 * over.max(0.0), 4)
                 }
                 Op::Impulse(a) if reach(a, radii) < sizes[a].centre.abs() => 0.0,
                 Op::Impulse(_) => return Err(Trouble::Jump),

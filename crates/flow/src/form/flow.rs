@@ -1,35 +1,38 @@
-//! A model with one smooth right-hand side, compiled for forms.
+//! A model compiled for forms.
 #![allow(clippy::indexing_slicing, reason = "PROOF: one entry per state")]
 
-use super::code::Code;
-use super::function::Functions;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::journey::Journey;
+use super::piece::Piece;
+use super::regime::{Field, Regime, Switching};
+use super::run::Stretch;
 use super::set::{Form, FormOptions};
-use super::step::{Obstacle, Scratch};
+use super::step::Obstacle;
+use super::surfaces::Signs;
+use crate::system::System;
 use veribound_interval::Interval;
-use veribound_model::{ExprId, Model, Var};
+use veribound_model::{ExprId, Graph, Layout, Model, Var};
 
-/// Shortest step, as share of the time to go.
-const SHORTEST: f64 = 1e-7;
-
-/// A model of one mode, compiled. Immutable and shared between threads.
-#[derive(Debug, Clone)]
+/// A model compiled for forms. Shared between threads; right-hand sides of modes are compiled when they
+/// are first met.
+#[derive(Debug)]
 pub struct Flow {
-    pub(super) code: Code,
-    pub(super) functions: Functions,
-    pub(super) states: usize,
-    /// Registers of the rates of the states.
-    pub(super) rates: Vec<usize>,
-    /// The entries of `∂f/∂x` that are not zero: row, column, register.
-    pub(super) slopes: Vec<(usize, usize, usize)>,
+    pub(super) layout: Layout,
+    pub(super) switching: Switching,
+    /// The boxes that go on where no smooth right-hand side is certain.
+    pub(super) system: System,
+    /// The right-hand side of a model that never switches.
+    only: Option<Regime>,
+    store: Mutex<Store>,
 }
 
-/// Forms are made for models with one right-hand side and without jumps.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SeveralModes {
-    /// So many modes the model has.
-    pub modes: usize,
-    /// So many jumps.
-    pub jumps: usize,
+/// What is made on demand.
+#[derive(Debug)]
+struct Store {
+    graph: Graph,
+    pieces: HashMap<(Vec<ExprId>, Vec<ExprId>), Arc<Piece>>,
 }
 
 /// A stretch of time could not be proved. It says nothing about the existence of solutions.
@@ -46,41 +49,33 @@ pub struct Diverged {
 impl Flow {
     /// Compiles `model`.
     ///
-    /// Cost: one symbolic derivative per pair of states.
-    pub fn new(model: &Model) -> Result<Flow, SeveralModes> {
-        let ([mode], []) = (&model.modes[..], &model.jumps[..]) else {
-            return Err(SeveralModes {
-                modes: model.modes.len(),
-                jumps: model.jumps.len(),
-            });
-        };
+    /// Cost: that of [`System::new`], and one symbolic derivative per pair of states and right-hand side that
+    /// is met.
+    pub fn new(model: &Model) -> Flow {
         let mut graph = model.graph.clone();
-        let layout = model.layout();
-        let mut entries: Vec<(usize, usize, ExprId)> = Vec::new();
-        let rates: Vec<ExprId> = mode.der.iter().map(|e| graph.elementary(*e)).collect();
-        for (i, rate) in rates.iter().enumerate() {
-            for l in 0..layout.states {
-                let slope = graph.derivative(*rate, Var::State(l));
-                if slope != graph.integer(0) {
-                    entries.push((i, l, slope));
-                }
+        let switching = Switching::compile(&mut graph, model);
+        let only = match &switching.rates[..] {
+            [mode] if switching.sets.is_empty() => {
+                let rates: Vec<ExprId> = mode.iter().map(|rate| rate.1).collect();
+                Some(Regime {
+                    has_kinks: rates.iter().any(|rate| graph.has_kinks(*rate)),
+                    rates,
+                    watches: Vec::new(),
+                    signs: Vec::new(),
+                })
             }
+            _ => None,
+        };
+        Flow {
+            layout: model.layout(),
+            switching,
+            system: System::new(model),
+            only,
+            store: Mutex::new(Store {
+                graph,
+                pieces: HashMap::new(),
+            }),
         }
-        let secondary: Vec<ExprId> = entries.iter().map(|entry| entry.2).collect();
-        let code = Code::compile(&mut graph, layout.states, &rates, &secondary);
-        let functions = Functions::of(&code);
-        let (rates, slopes) = code.roots.split_at(layout.states);
-        Ok(Flow {
-            rates: rates.to_vec(),
-            slopes: entries
-                .iter()
-                .zip(slopes)
-                .map(|(&(i, l, _), &register)| (i, l, register))
-                .collect(),
-            functions,
-            states: layout.states,
-            code,
-        })
     }
 
     /// The form of all start values in `states` and parameters in `params`.
@@ -104,63 +99,89 @@ impl Flow {
         inputs: &[Interval],
         dt: Interval,
     ) -> Result<(), Diverged> {
-        let mut next = form.clone();
-        self.go(&mut next, inputs, dt, f64::INFINITY)?;
-        *form = next;
+        let stretch = Stretch {
+            inputs: inputs.to_vec(),
+            dt,
+        };
+        let mut journey = Journey::new(self, form.clone(), std::slice::from_ref(&stretch));
+        journey.whole_at_end = true;
+        journey.run()?;
+        let tube = journey.tubes.pop();
+        *form = journey.form;
+        form.tube = tube.unwrap_or_else(|| form.quick_hull());
         Ok(())
     }
 
-    /// As [`Flow::advance`], but on failure the form stands somewhere on the way; and it is a failure when
-    /// the share of a width that is no function of the unknowns passes `most`.
-    pub(super) fn go(
-        &self,
-        form: &mut Form,
-        inputs: &[Interval],
-        dt: Interval,
-        most: f64,
-    ) -> Result<(), Diverged> {
-        let before = form.quick_hull();
-        form.tube.copy_from_slice(&before);
-        let mut scratch = Scratch::new(self, form);
-        let begin = form.elapsed;
-        let mut left = dt;
-        while left.hi() > 0.0 {
-            let shortest = SHORTEST * dt.hi();
-            let step = self.single_step(form, &mut scratch, inputs, left, shortest);
-            let step = match step {
-                Ok(_) if most < 1.0 && form.excess() > most => Err(Obstacle::TooLong),
-                step => step,
-            };
-            match step {
-                Ok(moved) => {
-                    let done = moved == left;
-                    form.elapsed += moved;
-                    if done {
-                        break;
-                    }
-                    left -= moved;
-                }
-                Err(obstacle) => {
-                    return Err(Diverged {
-                        obstacle,
-                        state: widest_growth(&before, &form.quick_hull()),
-                        reached: form.elapsed,
-                    });
-                }
+    /// The regime on a box of states, parameters and inputs.
+    pub(super) fn resolve(&self, field: Option<&Field>, signs: &[Signs]) -> Option<Regime> {
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(only) = &self.only {
+            let mut regime = only.clone();
+            if let (Some(field), true) = (field, only.has_kinks) {
+                self.switching
+                    .straighten(&mut store.graph, field, None, &mut regime);
             }
+            return Some(regime);
         }
-        form.elapsed = begin + dt;
-        Ok(())
+        self.switching
+            .resolve(&mut store.graph, field?, signs.to_vec())
     }
-}
 
-/// The state whose width grew most.
-fn widest_growth(before: &[Interval], after: &[Interval]) -> usize {
-    let growth = |i: usize| {
-        let start = before[i].width() + 1e-12 * before[i].mag() + 1e-300;
-        after[i].width() / start
-    };
-    (0..before.len())
-        .max_by(|a, b| growth(*a).total_cmp(&growth(*b)))
-        .unwrap_or(0)
+    /// As [`Flow::resolve`], with all kinks in place.
+    pub(super) fn unbent(&self, field: &Field, signs: &[Signs]) -> Option<Regime> {
+        if self.only.is_some() {
+            return self.only.clone();
+        }
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        self.switching
+            .unbent(&mut store.graph, field, signs.to_vec())
+    }
+
+    /// Takes the kinks out of a regime whose sides are known on the box of `field`, or given.
+    pub(super) fn straighten(&self, field: &Field, known: (ExprId, Signs), regime: &mut Regime) {
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        self.switching
+            .straighten(&mut store.graph, field, Some(known), regime);
+    }
+
+    /// True if there is one right-hand side without kinks, and no jump.
+    pub(super) fn is_smooth(&self) -> bool {
+        self.only.as_ref().is_some_and(|only| !only.has_kinks)
+    }
+
+    /// The code of a regime.
+    pub(super) fn piece(&self, regime: &Regime) -> Arc<Piece> {
+        let watched: Vec<ExprId> = regime.watches.iter().map(|watch| watch.expr).collect();
+        let key = (regime.rates.clone(), watched);
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let store = &mut *store;
+        if let Some(piece) = store.pieces.get(&key) {
+            return Arc::clone(piece);
+        }
+        let piece = Piece::compile(&mut store.graph, self.layout, &key.0, &key.1);
+        let piece = Arc::new(piece);
+        store.pieces.insert(key, Arc::clone(&piece));
+        piece
+    }
+
+    /// The inputs that an expression depends on.
+    pub(super) fn inputs_of(&self, e: ExprId) -> Vec<usize> {
+        let store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let inputs = store.graph.variables(e).into_iter();
+        let inputs = inputs.filter_map(|var| match var {
+            Var::Input(i) => Some(i),
+            _ => None,
+        });
+        inputs.collect()
+    }
+
+    /// The state that a surface compares with a number, that number, and whether the surface is positive
+    /// above it.
+    pub(super) fn level(&self, surface: usize) -> Option<(usize, Interval, bool)> {
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let level = store
+            .graph
+            .level(self.switching.surfaces.list[surface].expr)?;
+        Some((level.state, level.value, level.rising))
+    }
 }

@@ -12,7 +12,7 @@ use super::series::Series;
 use super::set::{Form, OutputForm};
 use super::step::Obstacle;
 use veribound_interval::Interval;
-use veribound_model::{ExprId, Model};
+use veribound_model::{ExprId, Graph, Model};
 
 /// An expression of a model, compiled to be evaluated on forms of that model.
 #[derive(Debug, Clone)]
@@ -28,9 +28,12 @@ pub struct Contradiction;
 impl Output {
     /// Compiles `expr` of `model`.
     pub fn new(model: &Model, expr: ExprId) -> Output {
-        let mut graph = model.graph.clone();
+        Output::compile(&mut model.graph.clone(), model.states.len(), expr)
+    }
+
+    pub(super) fn compile(graph: &mut Graph, states: usize, expr: ExprId) -> Output {
         let expr = graph.elementary(expr);
-        let code = Code::compile(&mut graph, model.states.len(), &[expr], &[]);
+        let code = Code::compile(graph, states, &[expr], &[]);
         let functions = Functions::of(&code);
         Output { code, functions }
     }
@@ -44,6 +47,16 @@ impl Form {
     /// Errors: [`Obstacle::Undefined`] and [`Obstacle::Jump`] where the expression has no value or a
     /// `sign` that is not decided, [`Obstacle::Unbounded`] where it is too large.
     pub fn output(&self, output: &Output, inputs: &[Interval]) -> Result<OutputForm, Obstacle> {
+        let (polynomial, radius) = self.evaluate(output, inputs)?;
+        Ok(self.affine(&polynomial, Interval::symmetric(radius)))
+    }
+
+    /// A quantity as polynomial in the unknowns, and how far it can be from that.
+    pub(super) fn evaluate(
+        &self,
+        output: &Output,
+        inputs: &[Interval],
+    ) -> Result<(Vec<f64>, f64), Obstacle> {
         let (code, functions) = (&output.code, &output.functions);
         let mut series = Series::new(code, &self.monomials, 0);
         for (register, step) in code.instructions.iter().enumerate() {
@@ -75,8 +88,7 @@ impl Form {
             let polynomial = block.step_by(series.stride).copied().collect();
             Ok((polynomial, radii[register]))
         };
-        let (polynomial, radius) = run().map_err(Obstacle::from)?;
-        Ok(self.affine(&polynomial, Interval::symmetric(radius)))
+        run().map_err(Obstacle::from)
     }
 
     /// Narrows the unknowns to those for which the quantity `output` of this form can lie in `measured`;

@@ -12,7 +12,7 @@ use super::outward::{UNIT, raised};
 use veribound_interval::Interval;
 
 /// Parts of the box looked at before the bound is taken as it is.
-const MOST_PARTS: usize = 300;
+const MOST_PARTS: usize = 40;
 
 /// Share of the size of the polynomial that the bound may be too large.
 const ENOUGH: f64 = 1e-4;
@@ -22,6 +22,9 @@ const ENOUGH: f64 = 1e-4;
 /// Guarantee: every value lies inside. Branch and bound; where a derivative has one sign the variable is
 /// put to its end, so that near-linear polynomials take one part.
 pub(super) fn range(monomials: &Monomials, polynomial: &[f64]) -> Interval {
+    if polynomial[1..].iter().all(|x| *x == 0.0) {
+        return Interval::point(polynomial[0]);
+    }
     let negated: Vec<f64> = polynomial.iter().map(|x| -x).collect();
     let hi = maximum(monomials, polynomial);
     let lo = -maximum(monomials, &negated);

@@ -5,6 +5,7 @@
 )]
 
 use super::flow::{Diverged, Flow};
+use super::journey::Journey;
 use super::set::{Form, FormOptions, Unknown, usual_degree};
 use veribound_interval::Interval;
 
@@ -57,6 +58,15 @@ pub struct Enclosure {
     /// Number of parts that the set was divided into.
     pub parts: usize,
 }
+
+/// Narrow sets need no more than this degree,
+const LOW: usize = 2;
+
+/// if what is no function of the unknowns is this share of what would do.
+const SMALL: f64 = 0.1;
+
+/// A higher degree is worth it where it makes the excess smaller by this factor.
+const WORTHWHILE: f64 = 0.9;
 
 /// One part of the start set.
 type Part = (Vec<Interval>, Vec<Interval>);
@@ -140,21 +150,39 @@ impl Flow {
             ..options
         };
         let pass = |degree: usize| {
-            let most = if degree < last {
+            // Where modes mix for a moment, states forget and become functions of the unknowns again.
+            let most = if !self.is_smooth() {
+                f64::INFINITY
+            } else if degree == LOW && LOW < first {
+                SMALL * effort.excess
+            } else if degree < last {
                 HOPELESS
             } else {
                 f64::INFINITY
             };
             self.pass(part, stretches, with(degree), most)
         };
+        if options.degree.is_none() && LOW < first {
+            let quick = pass(LOW);
+            // Higher degrees do not help against what switches take.
+            let share = if self.is_smooth() { SMALL } else { 1.0 };
+            if quick.excess() <= share * effort.excess {
+                return quick;
+            }
+        }
         let mut best = pass(first);
         for degree in first + 1..=last {
             if best.excess() <= effort.excess {
                 break;
             }
             let next = pass(degree);
+            let helps = next.excess() <= WORTHWHILE * best.excess();
+            let is_first = best.failure.is_some();
             if next.excess() <= best.excess() {
                 best = next;
+            }
+            if !helps && !is_first {
+                break;
             }
         }
         best
@@ -162,22 +190,16 @@ impl Flow {
 
     /// One form through all stretches; it gives up where its excess passes `most`.
     fn pass(&self, part: &Part, stretches: &[Stretch], options: FormOptions, most: f64) -> Passage {
-        let mut passage = Passage {
-            ends: Vec::new(),
-            tubes: Vec::new(),
-            failure: None,
-            last: self.start(&part.0, &part.1, options),
-        };
-        for stretch in stretches {
-            let form = &mut passage.last;
-            if let Err(diverged) = self.go(form, &stretch.inputs, stretch.dt, most) {
-                passage.failure = Some(diverged);
-                break;
-            }
-            passage.ends.push(form.hull());
-            passage.tubes.push(form.tube().to_vec());
+        let form = self.start(&part.0, &part.1, options);
+        let mut journey = Journey::new(self, form, stretches);
+        journey.most = most;
+        let failure = journey.run().err();
+        Passage {
+            ends: journey.ends,
+            tubes: journey.tubes,
+            failure,
+            last: journey.form,
         }
-        passage
     }
 }
 

@@ -6,10 +6,12 @@
 
 use std::sync::Arc;
 
+use super::ahead::around;
 use super::frame::Frame;
 use super::monomials::Monomials;
-use super::outward::raised;
 use super::range::range;
+use super::step::Obstacle;
+use super::surfaces::Signs;
 use veribound_interval::Interval;
 
 /// Settings of forms.
@@ -116,6 +118,8 @@ pub struct Form {
     pub(super) scale: Vec<f64>,
     /// Time since the start.
     pub(super) elapsed: Interval,
+    /// What is known of the signs of surfaces; nothing where it is empty.
+    pub(super) signs: Vec<Signs>,
 }
 
 /// Highest order in time.
@@ -212,6 +216,7 @@ impl Form {
             tube: states.to_vec(),
             step: f64::INFINITY,
             elapsed: Interval::ZERO,
+            signs: Vec::new(),
         };
         form.order = form.usual_order();
         form
@@ -263,10 +268,7 @@ impl Form {
     /// As [`Form::hull`], faster and wider.
     pub(super) fn quick_hull(&self) -> Vec<Interval> {
         let rest = self.frame.hull();
-        let enclose = |(polynomial, rest): (&Vec<f64>, Interval)| {
-            let size: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
-            Interval::point(polynomial[0]).inflate(raised(size, polynomial.len())) + rest
-        };
+        let enclose = |(polynomial, rest): (&Vec<f64>, Interval)| around(polynomial) + rest;
         self.states.iter().zip(rest).map(enclose).collect()
     }
 
@@ -306,6 +308,34 @@ impl Form {
             *more += Interval::point(rest);
         }
         self.frame = moved.completed(&more);
+    }
+
+    /// After a step: what dependence could not keep may become unknowns.
+    pub(super) fn settle(&mut self) -> Result<(), Obstacle> {
+        self.absorb();
+        for (scale, polynomial) in self.scale.iter_mut().zip(&self.states) {
+            *scale = (0.9 * *scale).max(polynomial[0].abs());
+        }
+        let finite = self.states.iter().flatten().all(|x| x.is_finite());
+        if self.frame.is_bounded() && finite {
+            Ok(())
+        } else {
+            Err(Obstacle::Unbounded)
+        }
+    }
+
+    /// Encloses every parameter.
+    pub(super) fn param_box(&self) -> Vec<Interval> {
+        let list = self.params.iter();
+        list.map(|param| around(&param.polynomial).inflate(param.radius))
+            .collect()
+    }
+
+    /// Without what dependence could not keep.
+    pub(super) fn without_rest(&self) -> Form {
+        let mut form = self.clone();
+        form.frame = Frame::upright(vec![Interval::ZERO; self.states.len()]);
+        form
     }
 
     /// The largest share of a width that is no function of the unknowns; nothing where there are none.

@@ -4,12 +4,12 @@
     reason = "PROOF: vectors have one entry per state, matrices `n * n`; orders stay below the stride"
 )]
 
-use super::ahead::{Ahead, ahead};
+use super::ahead::{ahead, around, later};
 use super::code::Op;
 use super::compare::exponential;
 use super::error::Errors;
-use super::flow::Flow;
 use super::outward::{UNIT, raised};
+use super::piece::Piece;
 use super::series::{Recursion, Series};
 use super::set::Form;
 use veribound_interval::lanes::Value;
@@ -45,24 +45,64 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    pub(super) fn new(flow: &Flow, form: &Form) -> Scratch {
+    pub(super) fn new(piece: &Piece, form: &Form) -> Scratch {
         let orders = form.order;
-        let count = flow.code.instructions.len();
-        let mut series = Series::new(&flow.code, &form.monomials, orders);
-        for (register, step) in flow.code.instructions.iter().enumerate() {
-            match step.op {
-                Op::Constant(value) => series.start(register, &[value.mid()]),
-                Op::Param(i) => series.start(register, &form.params[i].polynomial),
-                _ => {}
+        let count = piece.code.instructions.len();
+        let mut series = Series::new(&piece.code, &form.monomials, orders);
+        for (register, step) in piece.code.instructions.iter().enumerate() {
+            if let Op::Constant(value) = step.op {
+                series.start(register, &[value.mid()]);
             }
         }
         Scratch {
-            errors: Errors::new(&flow.code, &form.monomials, series.stride),
+            errors: Errors::new(&piece.code, &form.monomials, series.stride),
             series,
             radii: [vec![0.0; count], vec![0.0; count]],
             orders,
         }
     }
+}
+
+/// A step that is proved to be possible up to some time.
+pub(super) struct Prepared {
+    /// Length of the unit of time.
+    pub(super) unit: f64,
+    pub(super) bounds: Bounds,
+    /// As long as was asked for.
+    pub(super) last: bool,
+}
+
+/// When a step ends, in scaled time.
+pub(super) enum End {
+    /// At one time for all solutions, known up to `off` seconds.
+    At { scaled: f64, off: f64 },
+    /// At a time of its own for every `δ`; where that is before the start, nothing is claimed.
+    Own { scaled: Vec<f64> },
+}
+
+impl End {
+    /// All the times.
+    fn times(&self) -> Interval {
+        match self {
+            End::At { scaled, .. } => Interval::point(*scaled),
+            // Before the start nobody is on the way.
+            End::Own { scaled } => {
+                let all = around(scaled);
+                Interval::new(all.lo().max(0.0), all.hi().max(0.0)).unwrap_or(all)
+            }
+        }
+    }
+}
+
+/// Where solutions are at some time: at `states(δ) + map e + lows + more` for what dependence could
+/// not keep of them before, `e`.
+pub(super) struct Arrival {
+    pub(super) states: Vec<Vec<f64>>,
+    pub(super) lows: Vec<f64>,
+    pub(super) map: Vec<Interval>,
+    pub(super) more: Vec<Interval>,
+    /// At all times of the prepared step.
+    pub(super) during: Vec<Interval>,
 }
 
 /// What a step proved.
@@ -77,119 +117,125 @@ pub(super) struct Bounds {
     pub(super) steepness: Vec<f64>,
 }
 
-impl Flow {
-    /// Moves `form` by at most `longest`, for constant unknowns and inputs that are any measurable
-    /// functions in `inputs`; returns the time moved, which is `longest` itself if that was in reach.
-    pub(super) fn single_step(
+impl Piece {
+    /// Expands the solution of `form` and bounds the deviation from it for at most `longest`, where a
+    /// promising length and the bound say so; the inputs are any measurable functions in `inputs`, and
+    /// the rates may be off by `extra` besides.
+    pub(super) fn prepare(
         &self,
-        form: &mut Form,
+        form: &Form,
         scratch: &mut Scratch,
-        inputs: &[Interval],
+        (inputs, extra): (&[Interval], &[f64]),
         longest: Interval,
         shortest: f64,
-    ) -> Result<Interval, Obstacle> {
+    ) -> Result<Prepared, Obstacle> {
         let mut unit = binary(form.step.min(2.0 * longest.hi()));
         let mut attempts = 0;
         loop {
             attempts += 1;
-            match self.attempt(form, scratch, inputs, longest, unit) {
-                Ok(moved) => return Ok(moved),
+            let most = raised(longest.hi() / unit, 1);
+            let obstacle = match self.attempt(form, scratch, (inputs, extra), most, unit) {
+                Ok(bounds) => {
+                    return Ok(Prepared {
+                        last: bounds.span >= most,
+                        unit,
+                        bounds,
+                    });
+                }
                 Err(obstacle) if attempts > SHORTENINGS || unit < shortest => {
                     return Err(obstacle);
                 }
-                Err(Obstacle::Unbounded) => unit *= 1.0 / 64.0,
-                Err(_) => unit *= 0.25,
-            }
+                Err(obstacle) => obstacle,
+            };
+            unit *= match obstacle {
+                Obstacle::Unbounded => 1.0 / 64.0,
+                _ => 0.25,
+            };
             // What is no number must not meet the zeros of the next attempt.
             scratch.series.clear(&self.code);
         }
     }
 
-    /// One step in time scaled by `unit`, a power of two.
+    /// One attempt in time scaled by `unit`, a power of two.
     fn attempt(
         &self,
-        form: &mut Form,
+        form: &Form,
         scratch: &mut Scratch,
-        inputs: &[Interval],
-        longest: Interval,
+        given: (&[Interval], &[f64]),
+        most: f64,
         unit: f64,
-    ) -> Result<Interval, Obstacle> {
-        let (n, orders) = (self.states, scratch.orders);
-        self.expand(form, scratch, inputs, unit)?;
-        let most = raised(longest.hi() / unit, 1);
+    ) -> Result<Bounds, Obstacle> {
+        self.expand(form, scratch, given.0, unit)?;
         let mut span = self.promising(form, scratch, unit).min(most);
         let reach = form.frame.hull();
         let mut tries = 0;
-        let bounds = loop {
+        loop {
             tries += 1;
-            match self.bound(form, scratch, inputs, (unit, span), &reach) {
-                Ok(bounds) => break bounds,
+            match self.bound(form, scratch, given, (unit, span), &reach) {
+                Ok(bounds) => return Ok(bounds),
                 Err(obstacle) if tries > 3 || obstacle == Obstacle::Unbounded => {
                     return Err(obstacle);
                 }
                 Err(_) => span *= 0.5,
             }
-        };
-        // The last step ends anywhere in the rest of time.
-        let last = span >= most;
-        let (moved, end, slack) = if last {
-            let middle = longest.mid();
-            let end = middle / unit;
-            let off = (longest - Interval::point(end) * Interval::point(unit)).mag();
-            (longest, end, off)
-        } else {
-            (Interval::point(span) * Interval::point(unit), span, 0.0)
-        };
-        let map = self.fundamental(form, scratch, unit, end);
-        let leak = self.leak(scratch, &map, unit, &bounds, &reach);
-        let Some(leak) = leak else {
-            return Err(Obstacle::TooLong);
-        };
+        }
+    }
+
+    /// The length of time that ends a prepared step of `longest`, and the same in scaled time.
+    pub(super) fn last(longest: Interval, unit: f64) -> End {
+        let middle = longest.mid();
+        let scaled = middle / unit;
+        let off = (longest - Interval::point(scaled) * Interval::point(unit)).mag();
+        End::At { scaled, off }
+    }
+
+    /// Where solutions are at the end of a prepared step.
+    pub(super) fn arrival(
+        &self,
+        form: &Form,
+        scratch: &Scratch,
+        prepared: &Prepared,
+        end: &End,
+    ) -> Result<Arrival, Obstacle> {
+        let (n, orders) = (self.states, scratch.orders);
+        let Prepared { unit, bounds, .. } = prepared;
+        let reach = form.frame.hull();
+        let map = self.fundamental(form, scratch, *unit, end.times());
+        let leak = self.leak(scratch, &map, *unit, bounds, &reach);
+        let leak = leak.ok_or(Obstacle::TooLong)?;
         let errors = &scratch.errors;
-        let mut lows = vec![0.0; n];
-        let mut more = vec![Interval::ZERO; n];
-        let mut next: Vec<Vec<f64>> = Vec::with_capacity(n);
-        for i in 0..n {
-            let register = self.code.states[i];
-            let size = &errors.sizes[register];
-            let Ahead {
-                polynomial,
-                low,
-                lost,
-            } = ahead(
-                scratch.series.block(register),
-                size,
-                (orders, end),
-                &errors.weights,
-            );
-            let rate = self.rates[i];
-            let speed = errors.sizes[rate].total + scratch.radii[1][rate];
-            more[i] = Interval::symmetric(raised(leak[i] + lost + slack * speed, 4));
-            lows[i] = low;
-            next.push(polynomial);
-            let around = raised(size.deviation + bounds.deviation[i], 1);
-            let during = Interval::point(size.centre).inflate(around);
-            form.tube[i] = form.tube[i].hull(during);
-        }
-        form.states = next;
-        form.transport(&map.matrix, &lows, &more);
-        form.absorb();
-        for (scale, polynomial) in form.scale.iter_mut().zip(&form.states) {
-            *scale = (0.9 * *scale).max(polynomial[0].abs());
-        }
-        form.step = unit
-            * if last {
-                span.max(form.step / unit)
-            } else {
-                2.0 * span
+        let mut arrival = Arrival {
+            states: Vec::with_capacity(n),
+            lows: vec![0.0; n],
+            map: map.matrix,
+            more: vec![Interval::ZERO; n],
+            during: Vec::with_capacity(n),
+        };
+        for (i, (leak, &register)) in leak.iter().zip(&self.code.states).enumerate() {
+            let (block, size) = (scratch.series.block(register), &errors.sizes[register]);
+            let (polynomial, lost) = match end {
+                End::At { scaled, off } => {
+                    let place = ahead(block, size, (orders, *scaled), &errors.weights);
+                    arrival.lows[i] = place.low;
+                    let rate = self.rates[i];
+                    let speed = errors.sizes[rate].total + scratch.radii[1][rate];
+                    (place.polynomial, raised(place.lost + off * speed, 2))
+                }
+                End::Own { scaled } => later(
+                    &form.monomials,
+                    block,
+                    (orders, scratch.series.stride),
+                    scaled,
+                ),
             };
-        let bounded =
-            form.frame.is_bounded() && form.states.iter().flatten().all(|x| x.is_finite());
-        if bounded {
-            Ok(moved)
-        } else {
-            Err(Obstacle::Unbounded)
+            arrival.more[i] = Interval::symmetric(raised(leak + lost, 4));
+            arrival.states.push(polynomial);
+            let reach = raised(size.deviation + bounds.deviation[i], 1);
+            arrival
+                .during
+                .push(Interval::point(size.centre).inflate(reach));
         }
+        Ok(arrival)
     }
 
     /// Taylor coefficients of the polynomial solution.
@@ -205,6 +251,7 @@ impl Flow {
         for (register, step) in self.code.instructions.iter().enumerate() {
             match step.op {
                 Op::State(i) => series.start(register, &form.states[i]),
+                Op::Param(i) => series.start(register, &form.params[i].polynomial),
                 Op::Input(i) => series.start(register, &[inputs[i].mid()]),
                 _ => {}
             }
@@ -255,7 +302,7 @@ impl Flow {
         &self,
         form: &Form,
         scratch: &mut Scratch,
-        inputs: &[Interval],
+        (inputs, extra): (&[Interval], &[f64]),
         (unit, span): (f64, f64),
         reach: &[Interval],
     ) -> Result<Bounds, Obstacle> {
@@ -283,7 +330,8 @@ impl Flow {
         let defect: Vec<f64> = self
             .rates
             .iter()
-            .map(|&rate| {
+            .zip(extra)
+            .map(|(&rate, extra)| {
                 let size = &errors.sizes[rate];
                 let open = if size.top == orders {
                     size.time[orders]
@@ -296,7 +344,7 @@ impl Flow {
                     .filter(|(j, _)| !(j + 1).is_power_of_two())
                     .map(|(_, x)| 2.01 * UNIT * x)
                     .sum();
-                raised(unit * (exact[rate] + open + rounding), orders + 4)
+                raised(unit * (exact[rate] + open + rounding + extra), orders + 5)
             })
             .collect();
         let from: Vec<f64> = reach.iter().map(|x| x.mag()).collect();

@@ -6,21 +6,22 @@
 
 use super::compare::exponential;
 use super::convolve::convolve;
-use super::flow::Flow;
-use super::outward::{UNIT, powers, raised};
+use super::outward::{UNIT, raised};
+use super::piece::Piece;
 use super::set::Form;
 use super::size::beyond;
 use super::step::{Bounds, Scratch};
 use veribound_interval::Interval;
 
-impl Flow {
-    /// Solution matrix of the variational equation along the centre, as polynomial in time and at `end`.
+impl Piece {
+    /// Solution matrix of the variational equation along the centre, as polynomial in time and at
+    /// all times of `end`.
     pub(super) fn fundamental(
         &self,
         form: &Form,
         scratch: &Scratch,
         unit: f64,
-        end: f64,
+        end: Interval,
     ) -> Fundamental {
         let n = self.states;
         let orders = form.slopes();
@@ -42,21 +43,16 @@ impl Flow {
         }
         let weights = &scratch.errors.weights;
         let mut time = vec![0.0; n * n * stride];
-        let mut end_powers = vec![0.0; stride];
-        powers(end, &mut end_powers);
         let mut matrix = Vec::with_capacity(n * n);
         for (entry, sizes) in values
             .chunks_exact(stride)
             .zip(time.chunks_exact_mut(stride))
         {
-            let mut size = 0.0;
             for (j, (value, slot)) in entry.iter().zip(sizes).enumerate() {
                 *slot = raised(value.abs() * weights[j], 1);
-                size += (2 * j + 1) as f64 * value.abs() * end_powers[j];
             }
-            let value = entry.iter().rev().fold(0.0, |sum, x| sum * end + x);
-            let off = raised(1.01 * UNIT * size, stride + 4);
-            matrix.push(Interval::point(value).inflate(off));
+            let orders = entry.iter().rev();
+            matrix.push(orders.fold(Interval::ZERO, |sum, x| sum * end + Interval::point(*x)));
         }
         Fundamental {
             stride,
@@ -114,7 +110,7 @@ impl Flow {
     }
 }
 
-/// The fundamental matrix: sizes of its coefficients by order in time, and its value at the end.
+/// The fundamental matrix: sizes of its coefficients by order in time, and its values at the end.
 pub(super) struct Fundamental {
     stride: usize,
     time: Vec<f64>,

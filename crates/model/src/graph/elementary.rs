@@ -55,6 +55,71 @@ impl Graph {
     }
 }
 
+#[allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: `reachable` lists operands before what uses them"
+)]
+impl Graph {
+    /// Whether an absolute value, a minimum or a maximum stands in `e`.
+    pub fn has_kinks(&self, e: ExprId) -> bool {
+        let nodes = self.reachable(&[e]).into_iter();
+        nodes.map(|e| self.node(e)).any(|node| {
+            matches!(
+                node,
+                Node::Unary(Unary::Abs, _) | Node::Binary(Binary::Min | Binary::Max, ..)
+            )
+        })
+    }
+
+    /// `e` without the absolute values, minima and maxima of which `is_positive` knows the side: it is asked
+    /// for the argument of an absolute value, or for the first operand less the second one.
+    ///
+    /// Guarantee: equal to `e` where all that it was asked for has the sign it answered, or is zero.
+    pub fn straightened(
+        &mut self,
+        e: ExprId,
+        is_positive: &mut dyn FnMut(&Graph, ExprId) -> Option<bool>,
+    ) -> ExprId {
+        let mut done: HashMap<ExprId, ExprId> = HashMap::new();
+        for old in self.reachable(&[e]) {
+            let new = match *self.node(old) {
+                Node::Constant(_) | Node::Pi | Node::Var(_) => old,
+                Node::Unary(Unary::Abs, a) => {
+                    let a = done[&a];
+                    match is_positive(self, a) {
+                        Some(true) => a,
+                        Some(false) => self.neg(a),
+                        None => self.unary(Unary::Abs, a),
+                    }
+                }
+                Node::Unary(function, a) => {
+                    let a = done[&a];
+                    self.unary(function, a)
+                }
+                Node::Power(a, n) => {
+                    let a = done[&a];
+                    self.powi(a, n)
+                }
+                Node::Binary(function @ (Binary::Min | Binary::Max), a, b) => {
+                    let (a, b) = (done[&a], done[&b]);
+                    let gap = self.sub(a, b);
+                    match is_positive(self, gap) {
+                        Some(larger) if larger == (function == Binary::Max) => a,
+                        Some(_) => b,
+                        None => self.binary(function, a, b),
+                    }
+                }
+                Node::Binary(function, a, b) => {
+                    let (a, b) = (done[&a], done[&b]);
+                    self.binary(function, a, b)
+                }
+            };
+            done.insert(old, new);
+        }
+        done[&e]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -40,7 +40,7 @@ pub enum Command {
     Observe(Box<Observe>),
     /// Make a record of a model with known parameters; its errors are proved to stay in bounds
     Simulate(Box<Simulate>),
-    /// Enclose all solutions of a model with one right-hand side: no record needed, nothing estimated
+    /// Enclose all solutions of a model: no record needed, nothing estimated
     #[command(
         after_help = "Exit codes: 0 proved to the end, 2 wrong input or usage, 3 not proved (nothing \
                             is written)."

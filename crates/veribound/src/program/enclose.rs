@@ -21,15 +21,7 @@ pub fn run(arguments: &Enclose) -> Outcome {
     files.extend(profile.map(|path| ("the profile", path)));
     overwriting::refuse_record(&arguments.output, &files)?;
     let model = Model::from_file(&arguments.model)?;
-    let flow = Flow::new(&model).map_err(|several| {
-        Diagnostic::new(
-            "E0614",
-            format!("the model `{}` has {} modes", model.name, several.modes),
-        )
-        .help(
-            "enclose works for models with one right-hand side; `veribound check` shows the modes",
-        )
-    })?;
+    let flow = Flow::new(&model);
     let (times, stretches) = stretches(arguments, &model)?;
     let folder = arguments.output.parent();
     let folder = folder.filter(|path| !path.as_os_str().is_empty());

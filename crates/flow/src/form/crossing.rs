@@ -1,0 +1,685 @@
+//! All solutions cross a surface, each at its own time.
+//!
+//! Let `e` be watched, with the wrong sign ahead: `e < 0` at the start of a window, say, and `e' >= G > 0` along
+//! the right-hand side `f` at all times of the window, also beyond the surface. So every solution of `x' = f`
+//! meets `e = 0` once.
+//!
+//! 1. A polynomial `σ(δ)` in the unknowns is computed that nearly solves `e(X(δ, σ(δ))) = 0`; no claim is made.
+//! 2. At the time `σ(δ)` the solution of `x' = f`, continued beyond the surface if need be, lies in
+//!    `x ∈ X(δ, σ(δ)) + d`; from this follows `|e(x)| <= γ`.
+//! 3. *Lemma.* The true solution meets the surface at a time `τ` with `σ(δ) - τ = e(x) / G'` for some mean `G'` of
+//!    `e'` between. Let `R` be what happens there (nothing, or a jump), and `f2` the right-hand side
+//!    afterwards. The solution of `y' = f2` through `R` at time `τ` is at time `σ(δ)` in
+//!    `R(X) + (DR + J ∇e / G) d + J e(X) / G`, where `J` contains `f2 - DR f` near the surface.
+//!
+//!    *Proof.* `y(σ) = R(x(σ)) + ∫_τ^σ (f2(y) - DR f(x)) dt`, the integral is `(σ - τ)` times a mean, and
+//!    `e(x) = e(X) + ∇e d` with a mean slope.
+//! 4. From there the form goes on along `f2`, for every `δ` as long as is left to a common end after the
+//!    last crossing. Before `τ` that solution is only imagined; after `τ` it is the true one, because what the
+//!    new regime watches keeps its sign (`regime.rs`).
+//!
+//! So dependence on the unknowns survives, also in second and higher order; `DR + J ∇e / G` is the saltation matrix, which
+//! erases what capture into a surface erases. Inputs that change during the window are taken as any
+//! function within their hull, so that a set that straddles a sample is not torn.
+//!
+//! A surface that is held is left where a watched rate off it changes its sign: `e` is that rate then.
+//! Afterwards `e` goes on growing along both right-hand sides, so nothing is held any more, and the side
+//! opposite still drives solutions back; almost everywhere the mode on the new side acts.
+//!
+//! Source: the saltation matrix is Aizerman and Gantmacher's, 1958; times as polynomials are own.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: one entry per state, matrices `n * n`, probes and watches in the same order"
+)]
+
+use super::ahead::{around, later};
+use super::journey::{Acting, Journey};
+use super::outward::raised;
+use super::piece::Piece;
+use super::range::range;
+use super::regime::{Field, Reason, Regime, Watch};
+use super::set::Form;
+use super::step::{Arrival, End, Prepared};
+use super::surfaces::Signs;
+use veribound_interval::Interval;
+
+/// Windows are longer than they should have to be by the first share, or else by the second.
+const SPARE: [f64; 2] = [0.3, 1.5];
+
+/// Once through a window: where, and what came of it.
+struct Landing {
+    form: Form,
+    regime: Regime,
+}
+
+/// What happens on the surface.
+struct Passage {
+    regime: Regime,
+    jump: Option<usize>,
+    /// The rates afterwards, near the surface.
+    rates: Vec<Interval>,
+    /// How far solutions go between crossing and the time computed for it.
+    nearby: Vec<Interval>,
+}
+
+impl Journey<'_> {
+    /// Takes the form across the zero of a watched expression; `None`, and nothing is changed, if that is
+    /// not proved.
+    pub(super) fn cross(&mut self, acting: &mut Acting, watch: usize, unit: f64) -> Option<()> {
+        let (root, spread) = acting.estimate(watch, unit)?;
+        SPARE
+            .iter()
+            .find_map(|spare| self.cross_within(acting, watch, (root, spread, *spare)))
+    }
+
+    fn cross_within(
+        &mut self,
+        acting: &mut Acting,
+        watch: usize,
+        (root, spread, spare): (f64, f64, f64),
+    ) -> Option<()> {
+        let flow = self.flow;
+        let probe = acting.piece.probes[watch].clone();
+        let seconds = root + (0.5 + spare) * spread;
+        let (inputs, seconds) = self.window(seconds, root + 0.5 * spread)?;
+        if !acting.steady(&inputs)[watch] {
+            return None;
+        }
+        let begin = &self.form;
+        let prepared = acting.prepare(begin, &inputs, seconds)?;
+        let (unit, span) = (prepared.unit, prepared.bounds.span);
+        let steady = acting.steady(&inputs);
+        let regime = &acting.regime;
+        let others = (0..regime.watches.len()).filter(|other| *other != watch);
+        for other in others {
+            let calm = acting.piece.first_trouble(
+                (&acting.scratch, &begin.monomials),
+                (other, regime.watches[other].sign, steady[other]),
+                span,
+            );
+            if calm.is_some() {
+                return None;
+            }
+        }
+        let asked = regime.watches[watch];
+        let whole = Interval::new(0.0, span)?;
+        let speed = acting
+            .piece
+            .during(&acting.scratch, &begin.monomials, probe.rate, whole);
+        if Signs::strict(speed)? != asked.sign.flipped() {
+            return None;
+        }
+        let scaled = acting.times(begin, watch, root / unit)?;
+        let times = around(&scaled);
+        if times.lo() < 0.0 || times.hi() > span {
+            return None;
+        }
+        let end = End::Own {
+            scaled: scaled.clone(),
+        };
+        let arrival = acting
+            .piece
+            .arrival(begin, &acting.scratch, &prepared, &end)
+            .ok()?;
+        let deviation = arrival.deviation(&begin.frame.hull());
+        let slopes = acting.piece.slopes_of(&acting.scratch, &probe);
+        let left_over = acting.left_over(begin, watch, &scaled);
+        let off = slopes
+            .iter()
+            .zip(&deviation)
+            .fold(left_over, |sum, (slope, d)| sum + *slope * *d);
+        // Seconds between a crossing and the time computed for it.
+        let apart = (off / speed).mag();
+        if (times * Interval::point(unit)).hi() + apart > span * unit {
+            return None;
+        }
+        let passage = self.passage((&*acting, &inputs), asked, (&arrival, &deviation), apart)?;
+        let form = self.landed(
+            (&*acting, &inputs),
+            &arrival,
+            &passage,
+            (&slopes, speed, left_over),
+        )?;
+        // Afterwards, to a common end.
+        // What is held must be left by so much that it can be seen.
+        let clear = if matches!(asked.reason, Reason::Hold { .. }) {
+            4.0
+        } else {
+            1.1
+        };
+        let margin = (clear * apart / unit)
+            .max(0.02 * times.width())
+            .max(1e-12 * span);
+        let last = times.hi() + margin;
+        if last > span {
+            return None;
+        }
+        let mut next = Acting::new(flow, passage.regime.clone(), &form);
+        let mut rest: Vec<f64> = scaled.iter().map(|x| -x).collect();
+        rest[0] = last - scaled[0];
+        let moved = (Interval::point(scaled[0]) + Interval::point(rest[0])) * Interval::point(unit);
+        let next_one = (&mut next, form, &inputs[..]);
+        let (landing, second) = self.afterwards(next_one, asked, (rest, unit))?;
+        let before = (&*acting, &prepared, &arrival);
+        let times = (&scaled[..], moved, apart);
+        self.pass(
+            before,
+            (&next, &second.0, &second.1),
+            landing,
+            times,
+            &passage,
+        )
+    }
+
+    /// The hull of the inputs from now on for at least `least` and at most `seconds`, and for how long.
+    fn window(&self, seconds: f64, least: f64) -> Option<(Vec<Interval>, f64)> {
+        let mut inputs = self.inputs().to_vec();
+        let mut reach = self.left;
+        for stretch in &self.stretches[self.current + 1..] {
+            if reach.lo() >= seconds {
+                break;
+            }
+            reach += stretch.dt;
+            for (hull, input) in inputs.iter_mut().zip(&stretch.inputs) {
+                *hull = hull.hull(*input);
+            }
+        }
+        // Beyond the last stretch the last inputs go on, where the form need not stop there.
+        if reach.lo() >= seconds || !self.whole_at_end {
+            return Some((inputs, seconds));
+        }
+        (reach.lo() >= least).then_some((inputs, reach.lo()))
+    }
+
+    /// What happens on the surface.
+    fn passage(
+        &self,
+        (acting, inputs): (&Acting, &[Interval]),
+        asked: Watch,
+        (arrival, deviation): (&Arrival, &[Interval]),
+        apart: f64,
+    ) -> Option<Passage> {
+        let flow = self.flow;
+        let on_it: Vec<Interval> = arrival
+            .states
+            .iter()
+            .zip(deviation)
+            .map(|(polynomial, d)| around(polynomial) + *d)
+            .collect();
+        let mut reach: Vec<f64> = vec![0.0; on_it.len()];
+        for _ in 0..4 {
+            let near = inflated(&on_it, &reach);
+            let quantities = self.quantities(&near, inputs);
+            let field = flow.switching.field(&quantities)?;
+            let (before, _) = acting.piece.on_box(&quantities)?;
+            let (regime, jump, after) = self.next_regime(acting, asked, &field, (&near, inputs))?;
+            let piece = flow.piece(&regime);
+            let after = inflated(&after, &reach);
+            let (rates, _) = piece.on_box(&self.quantities(&after, inputs))?;
+            let wider: Vec<f64> = before
+                .iter()
+                .zip(&rates)
+                .map(|(a, b)| raised(1.1 * apart * (a.mag() + b.mag()), 4))
+                .collect();
+            // Both solutions stay in the box between the two times.
+            if wider.iter().zip(&reach).all(|(w, r)| *w <= 1.1 * r) {
+                return Some(Passage {
+                    regime,
+                    jump,
+                    rates,
+                    nearby: near,
+                });
+            }
+            reach = wider.iter().map(|w| 1.2 * w).collect();
+        }
+        None
+    }
+
+    /// The regime on the other side, with the jump that leads there and the box it starts from.
+    fn next_regime(
+        &self,
+        acting: &Acting,
+        asked: Watch,
+        field: &Field,
+        (near, inputs): (&[Interval], &[Interval]),
+    ) -> Option<(Regime, Option<usize>, Vec<Interval>)> {
+        let flow = self.flow;
+        let surfaces = field.surfaces.iter().zip(&acting.regime.signs);
+        let mut signs: Vec<Signs> = surfaces
+            .enumerate()
+            .map(|(surface, (value, known))| {
+                let free = flow.switching.surfaces.list[surface].inputs.is_empty();
+                let own = Signs::of(*value);
+                if free { own.and(*known) } else { own }
+            })
+            .collect();
+        match asked.reason {
+            Reason::Kink => {
+                // The same modes go on; only the kink is on the other side.
+                let mut regime = flow.unbent(field, &signs)?;
+                if flow.switching.jump_possible(&signs) {
+                    return None;
+                }
+                flow.straighten(field, (asked.expr, asked.sign.flipped()), &mut regime);
+                Some((regime, None, near.to_vec()))
+            }
+            Reason::Side { surface } => {
+                let beyond = asked.sign.flipped();
+                signs[surface] = Signs::ZERO;
+                if !flow.switching.jump_possible(&signs) {
+                    let regime = flow.resolve(Some(field), &signs)?;
+                    let goes_on =
+                        regime.signs[surface] == beyond || regime.signs[surface] == Signs::ZERO;
+                    // What acts on both sides is not watched any more.
+                    let is_free = regime.signs[surface] == Signs::ANY;
+                    return (goes_on || is_free).then(|| (regime, None, near.to_vec()));
+                }
+                let mut far = signs.clone();
+                far[surface] = beyond;
+                let jump = flow.switching.certain_jump(&signs, &far)?;
+                let (after, keeps) =
+                    flow.switching
+                        .image(jump, surface, &self.quantities(near, inputs))?;
+                let field = flow.switching.field(&self.quantities(&after, inputs))?;
+                let mut signs: Vec<Signs> = field.surfaces.iter().map(|x| Signs::of(*x)).collect();
+                if keeps {
+                    signs[surface] = Signs::ZERO;
+                }
+                let regime = flow.resolve(Some(&field), &signs)?;
+                Some((regime, Some(jump), after))
+            }
+            Reason::Hold { surface, side } => {
+                signs[surface] = side;
+                let mut regime = flow.resolve(Some(field), &signs)?;
+                if flow.switching.jump_possible(&signs) || regime.signs[surface] != side {
+                    return None;
+                }
+                // It has to go on growing, and the other side has to drive back.
+                regime.watches.push(Watch {
+                    sign: asked.sign.flipped(),
+                    ..asked
+                });
+                let other = acting.regime.watches.iter().filter(|watch| {
+                    matches!(watch.reason, Reason::Hold { surface: held, side: own }
+                        if held == surface && own != side)
+                });
+                regime.watches.extend(other);
+                let same_side = |watch: &&Watch| watch.reason == asked.reason;
+                let alone = acting.regime.watches.iter().filter(same_side).count() == 1;
+                alone.then(|| (regime, None, near.to_vec()))
+            }
+        }
+    }
+
+    /// The form at the time of its own for every `δ`, on the other right-hand side.
+    fn landed(
+        &self,
+        (acting, inputs): (&Acting, &[Interval]),
+        arrival: &Arrival,
+        passage: &Passage,
+        (slopes, speed, left_over): (&[Interval], Interval, Interval),
+    ) -> Option<Form> {
+        let n = slopes.len();
+        let quantities = self.quantities(&passage.nearby, inputs);
+        let (before, _) = acting.piece.on_box(&quantities)?;
+        let mut form = self.form.clone();
+        form.states.clone_from(&arrival.states);
+        // DR, and what rounding takes from R(X).
+        let mut change = vec![Interval::ZERO; n * n];
+        for i in 0..n {
+            change[i * n + i] = Interval::ONE;
+        }
+        let mut more = vec![Interval::ZERO; n];
+        if let Some(jump) = passage.jump {
+            let set = &self.flow.switching.sets[jump];
+            let slopes = set.slopes(&quantities)?;
+            let still = form.without_rest();
+            for (position, &state) in set.states.iter().enumerate() {
+                let (polynomial, off) = still.evaluate(&set.values[position], inputs).ok()?;
+                form.states[state] = polynomial;
+                more[state] = Interval::symmetric(off);
+                change[state * n..(state + 1) * n].fill(Interval::ZERO);
+            }
+            for (state, from, slope) in slopes {
+                change[state * n + from] = slope;
+            }
+        }
+        let mut saltation = change.clone();
+        for i in 0..n {
+            let row = &change[i * n..(i + 1) * n];
+            let moved = row
+                .iter()
+                .zip(&before)
+                .fold(Interval::ZERO, |sum, (m, f)| sum + *m * *f);
+            let jump = (passage.rates[i] - moved) / speed;
+            more[i] += jump * left_over;
+            for (l, slope) in slopes.iter().enumerate() {
+                saltation[i * n + l] += jump * *slope;
+            }
+        }
+        for i in 0..n {
+            let row = &saltation[i * n..(i + 1) * n];
+            let terms = row.iter().zip(&arrival.more);
+            more[i] += terms.fold(Interval::ZERO, |sum, (m, x)| sum + *m * *x);
+        }
+        let mut map = vec![Interval::ZERO; n * n];
+        for i in 0..n {
+            for l in 0..n {
+                let m = saltation[i * n + l];
+                if m != Interval::ZERO {
+                    for c in 0..n {
+                        map[i * n + c] += m * arrival.map[l * n + c];
+                    }
+                }
+            }
+        }
+        self.hold(&passage.regime, &mut form.states, &mut map, &mut more);
+        form.transport(&map, &vec![0.0; n], &more);
+        Some(form)
+    }
+
+    /// Along the next regime, for every `δ` as long as `rest` says in units of `unit`.
+    fn afterwards(
+        &self,
+        (next, form, inputs): (&mut Acting, Form, &[Interval]),
+        asked: Watch,
+        (rest, unit): (Vec<f64>, f64),
+    ) -> Option<(Landing, (Form, Prepared))> {
+        let monomials = &form.monomials;
+        let longest = around(&rest).hi() * unit;
+        let prepared = next.prepare(&form, inputs, raised(longest, 2))?;
+        if !prepared.last {
+            return None;
+        }
+        let steady = next.steady(inputs);
+        let span = prepared.bounds.span;
+        for (watch, own) in next.regime.watches.iter().enumerate() {
+            let place = (&next.scratch, &**monomials);
+            let is_safe = if let (Reason::Hold { surface, side }, Reason::Side { surface: other }) =
+                (asked.reason, own.reason)
+                && surface == other
+                && own.sign == side
+            {
+                // It follows from what was watched going on to grow.
+                true
+            } else if own.reason == asked.reason && own.expr == asked.expr {
+                let rate = next.piece.probes[watch].rate;
+                let whole = Interval::new(0.0, span)?;
+                let rate = next.piece.during(&next.scratch, monomials, rate, whole);
+                steady[watch] && Signs::strict(rate) == Some(own.sign)
+            } else {
+                let own = (watch, own.sign, steady[watch]);
+                next.piece.first_trouble(place, own, span).is_none()
+            };
+            if !is_safe {
+                return None;
+            }
+        }
+        let ratio = unit / prepared.unit;
+        let end = End::Own {
+            scaled: rest.iter().map(|x| x * ratio).collect(),
+        };
+        let arrival = next
+            .piece
+            .arrival(&form, &next.scratch, &prepared, &end)
+            .ok()?;
+        let mut after = form.clone();
+        after.states = arrival.states;
+        after.transport(&arrival.map, &arrival.lows, &arrival.more);
+        for (tube, during) in after.tube.iter_mut().zip(arrival.during) {
+            *tube = during;
+        }
+        after.settle().ok()?;
+        let mut regime = next.regime.clone();
+        regime
+            .watches
+            .retain(|watch| match (asked.reason, watch.reason) {
+                (Reason::Hold { surface, .. }, Reason::Hold { surface: other, .. }) => {
+                    surface != other
+                }
+                _ => true,
+            });
+        Some((
+            Landing {
+                form: after,
+                regime,
+            },
+            (form, prepared),
+        ))
+    }
+
+    /// Takes the landing over, and tells where solutions are at the ends of stretches within the window.
+    fn pass(
+        &mut self,
+        (acting, prepared, arrival): (&Acting, &Prepared, &Arrival),
+        (next, second, after): (&Acting, &Form, &Prepared),
+        landing: Landing,
+        (scaled, moved, apart): (&[f64], Interval, f64),
+        passage: &Passage,
+    ) -> Option<()> {
+        let during = arrival.during.iter().zip(&landing.form.tube);
+        let tube: Vec<Interval> = during.map(|(a, b)| a.hull(*b)).collect();
+        let unit = prepared.unit;
+        let times = around(scaled) * Interval::point(unit);
+        let (mut current, mut left, mut since) = (self.current, self.left, Interval::ZERO);
+        let (mut ends, mut tubes) = (Vec::new(), Vec::new());
+        let already = self.form.tube.iter().zip(&tube);
+        let mut tube_now: Vec<Interval> = already.map(|(a, b)| a.hull(*b)).collect();
+        while current < self.stretches.len() && (since + left).lo() < moved.hi() {
+            since += left;
+            if since.hi() > moved.lo() {
+                return None;
+            }
+            let mut early = Vec::new();
+            if since.lo() <= times.hi() + apart {
+                let end = Piece::last(since, unit);
+                let place = acting
+                    .piece
+                    .arrival(&self.form, &acting.scratch, prepared, &end);
+                early = place.ok()?.hull(&self.form);
+            }
+            let mut late = Vec::new();
+            if since.hi() >= times.lo() - apart {
+                late = self.late(
+                    (next, second, after),
+                    (scaled, unit),
+                    since,
+                    (apart, passage),
+                )?;
+            }
+            if passage.jump.is_none() {
+                self.clip((acting, &mut early), (next, &mut late));
+            }
+            ends.push(match (early.is_empty(), late.is_empty()) {
+                (false, false) => early.iter().zip(&late).map(|(a, b)| a.hull(*b)).collect(),
+                (true, _) => late,
+                (_, true) => early,
+            });
+            tubes.push(std::mem::replace(&mut tube_now, tube.clone()));
+            current += 1;
+            left = self
+                .stretches
+                .get(current)
+                .map_or(Interval::ZERO, |stretch| stretch.dt);
+        }
+        self.ends.extend(ends);
+        self.tubes.extend(tubes);
+        let elapsed = self.form.elapsed + moved;
+        let begun = current != self.current;
+        self.form = landing.form;
+        self.form.elapsed = elapsed;
+        if begun {
+            self.enter(current);
+        }
+        self.form.tube = tube_now;
+        self.form.signs.clone_from(&landing.regime.signs);
+        self.left = left - (moved - since);
+        Some(())
+    }
+
+    /// Where solutions are at a time of the window that have crossed before it.
+    ///
+    /// Those that cross up to `apart` before the time computed for them are told by how far any goes in
+    /// that time.
+    fn late(
+        &self,
+        (next, second, after): (&Acting, &Form, &Prepared),
+        (scaled, unit): (&[f64], f64),
+        since: Interval,
+        (apart, passage): (f64, &Passage),
+    ) -> Option<Vec<Interval>> {
+        let scale = unit / after.unit;
+        let mut own: Vec<f64> = scaled.iter().map(|x| -x * scale).collect();
+        let middle = since.mid();
+        own[0] = middle / after.unit - scaled[0] * scale;
+        let size = since.mag() + (scaled[0] * unit).abs();
+        let off = raised(
+            (since - Interval::point(middle)).mag() + 4.0 * f64::EPSILON * size,
+            4,
+        );
+        let end = End::Own { scaled: own };
+        let mut place = next
+            .piece
+            .arrival(second, &next.scratch, after, &end)
+            .ok()?;
+        for (i, more) in place.more.iter_mut().enumerate() {
+            let rate = next.piece.rates[i];
+            let speed = next.scratch.errors.sizes[rate].total + next.scratch.radii[1][rate];
+            let by = (off + 2.0 * apart) * speed + apart * passage.rates[i].mag();
+            *more += Interval::symmetric(raised(by, 8));
+        }
+        Some(place.hull(second))
+    }
+
+    /// Solutions that have not crossed are on the near side, those that have are not.
+    fn clip(
+        &self,
+        (acting, early): (&Acting, &mut [Interval]),
+        (next, late): (&Acting, &mut [Interval]),
+    ) {
+        for surface in 0..acting.regime.signs.len() {
+            let sides = (acting.regime.signs[surface], next.regime.signs[surface]);
+            if sides.0 == sides.1 {
+                continue;
+            }
+            let Some((state, value, rising)) = self.flow.level(surface) else {
+                continue;
+            };
+            for (signs, states) in [(sides.0, &mut *early), (sides.1, &mut *late)] {
+                let above = if rising {
+                    Signs::POSITIVE
+                } else {
+                    Signs::NEGATIVE
+                };
+                let part = if signs == above {
+                    Interval::new(value.lo(), f64::INFINITY)
+                } else if signs == above.flipped() {
+                    Interval::new(f64::NEG_INFINITY, value.hi())
+                } else if signs == Signs::ZERO {
+                    Some(value)
+                } else {
+                    None
+                };
+                if let (Some(part), false) = (part, states.is_empty()) {
+                    let clipped = states[state].intersect(part);
+                    if !clipped.is_empty() {
+                        states[state] = clipped;
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Acting {
+    /// About when the middle of the set meets the zero of what is watched, and how long the whole set takes,
+    /// in seconds.
+    fn estimate(&self, watch: usize, unit: f64) -> Option<(f64, f64)> {
+        let probe = &self.piece.probes[watch];
+        let [value, rate] = [probe.value, probe.rate].map(|register| {
+            let top = self.scratch.errors.sizes[register].top;
+            self.scratch.series.block(register)[..=top].to_vec()
+        });
+        let at = |row: &[f64], s: f64| row.iter().rev().fold(0.0, |sum, x| sum * s + x);
+        let mut s = 0.0;
+        for _ in 0..12 {
+            s -= at(&value, s) / (at(&rate, s) * unit);
+        }
+        let sizes = &self.scratch.errors.sizes[probe.value];
+        let spread: f64 = sizes.degree[1..].iter().sum();
+        let spread = spread + self.scratch.radii[1][probe.value];
+        let takes = 2.0 * spread / at(&rate, s).abs();
+        (s >= 0.0 && s.is_finite() && takes.is_finite()).then_some((s * unit, takes))
+    }
+
+    /// A prepared step of at most so many seconds.
+    fn prepare(&mut self, form: &Form, inputs: &[Interval], seconds: f64) -> Option<Prepared> {
+        let none = vec![0.0; form.states.len()];
+        let longest = Interval::point(seconds);
+        let given = (inputs, &none[..]);
+        let prepared = self
+            .piece
+            .prepare(form, &mut self.scratch, given, longest, 1e-3 * seconds);
+        prepared.ok()
+    }
+
+    /// Scaled times at which what is watched is nearly zero, as polynomial in the unknowns.
+    fn times(&self, form: &Form, watch: usize, root: f64) -> Option<Vec<f64>> {
+        let probe = &self.piece.probes[watch];
+        let top = self.scratch.errors.sizes[probe.value].top;
+        let block = self.scratch.series.block(probe.value);
+        let stride = self.scratch.series.stride;
+        let mut times = vec![0.0; form.monomials.len()];
+        times[0] = root;
+        let slope = |s: f64| {
+            let orders = block[1..=top].iter().enumerate().rev();
+            orders.fold(0.0, |sum, (j, x)| sum * s + (j + 1) as f64 * x)
+        };
+        // Every round settles one more degree.
+        for _ in 0..form.monomials.degree + 4 {
+            let (off, _) = later(&form.monomials, block, (top, stride), &times);
+            let slope = slope(times[0]);
+            for (time, off) in times.iter_mut().zip(off) {
+                *time -= off / slope;
+            }
+        }
+        times.iter().all(|x| x.is_finite()).then_some(times)
+    }
+
+    /// What is watched, at these times and where nothing deviates.
+    fn left_over(&self, form: &Form, watch: usize, times: &[f64]) -> Interval {
+        let register = self.piece.probes[watch].value;
+        let top = self.scratch.errors.sizes[register].top;
+        let block = self.scratch.series.block(register);
+        let stride = self.scratch.series.stride;
+        let (value, lost) = later(&form.monomials, block, (top, stride), times);
+        let off = raised(lost + self.scratch.radii[0][register], 1);
+        around(&value).inflate(off)
+    }
+}
+
+impl Arrival {
+    /// How far solutions can be from the polynomials; `rest` is what dependence could not keep before.
+    fn deviation(&self, rest: &[Interval]) -> Vec<Interval> {
+        let rows = self.map.chunks_exact(rest.len());
+        let moved = rows.map(|row| {
+            let terms = row.iter().zip(rest);
+            terms.fold(Interval::ZERO, |sum, (m, x)| sum + *m * *x)
+        });
+        let low = self.lows.iter().map(|x| Interval::point(*x));
+        let moved = moved.zip(low).zip(&self.more);
+        moved.map(|((x, low), more)| x + low + *more).collect()
+    }
+
+    /// Encloses the states; `before` is the form that arrives.
+    fn hull(&self, before: &Form) -> Vec<Interval> {
+        let deviation = self.deviation(&before.frame.hull());
+        let list = self.states.iter().zip(deviation);
+        list.map(|(polynomial, d)| range(&before.monomials, polynomial) + d)
+            .collect()
+    }
+}
+
+fn inflated(x: &[Interval], by: &[f64]) -> Vec<Interval> {
+    x.iter().zip(by).map(|(x, by)| x.inflate(*by)).collect()
+}

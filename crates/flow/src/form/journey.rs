@@ -1,0 +1,388 @@
+//! A form on its way through stretches of time, from one right-hand side to the next.
+//!
+//! While one smooth right-hand side is certain (`regime.rs`), steps are those of [`super`]. When an expression
+//! that is watched may change its sign, a step ends before; then all solutions are taken across together,
+//! each at its own time (`crossing.rs`). Where that is not possible, as where some solutions graze or nothing
+//! is decided, boxes go on for a moment (`mixed.rs`).
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: one entry per state, stretch or input, from the same lists"
+)]
+
+use std::sync::Arc;
+
+use super::flow::{Diverged, Flow};
+use super::outward::raised;
+use super::piece::Piece;
+use super::regime::{Field, Reason, Regime};
+use super::run::Stretch;
+use super::set::Form;
+use super::step::{Arrival, End, Obstacle, Prepared, Scratch};
+use super::surfaces::Signs;
+use crate::step::Workspace;
+use veribound_interval::Interval;
+
+/// Shortest step, as share of the time to go.
+const SHORTEST: f64 = 1e-7;
+
+/// A step that ends before something may change its sign is worth it when it is this share of the time
+/// that the crossing will take.
+const APPROACH: f64 = 0.5;
+
+/// A regime, compiled, with scratch for the form at hand.
+pub(super) struct Acting {
+    pub(super) regime: Regime,
+    pub(super) piece: Arc<Piece>,
+    pub(super) scratch: Scratch,
+    /// Inputs that the watches depend on.
+    inputs: Vec<Vec<usize>>,
+}
+
+impl Acting {
+    pub(super) fn new(flow: &Flow, regime: Regime, form: &Form) -> Acting {
+        let piece = flow.piece(&regime);
+        let watches = regime.watches.iter();
+        Acting {
+            inputs: watches.map(|watch| flow.inputs_of(watch.expr)).collect(),
+            scratch: Scratch::new(&piece, form),
+            regime,
+            piece,
+        }
+    }
+
+    /// For every watch whether it is a function of the state alone.
+    pub(super) fn steady(&self, inputs: &[Interval]) -> Vec<bool> {
+        let exact = |list: &Vec<usize>| list.iter().all(|input| inputs[*input].is_point());
+        self.inputs.iter().map(exact).collect()
+    }
+}
+
+/// A form and how far it has come.
+pub(super) struct Journey<'a> {
+    pub(super) flow: &'a Flow,
+    pub(super) stretches: &'a [Stretch],
+    pub(super) form: Form,
+    /// The stretch at hand, and what is left of it.
+    pub(super) current: usize,
+    pub(super) left: Interval,
+    /// Whether the form itself must be at the end of the last stretch, and not only a box around it.
+    pub(super) whole_at_end: bool,
+    /// It is a failure when the share of a width that is no function of the unknowns passes this.
+    pub(super) most: f64,
+    /// One box of states for the end of every stretch gone through, and one for all its times.
+    pub(super) ends: Vec<Vec<Interval>>,
+    pub(super) tubes: Vec<Vec<Interval>>,
+    pub(super) acting: Option<Acting>,
+    /// A regime that acts now, for want of a better one.
+    certain: Option<Acting>,
+    pub(super) workspace: Option<Workspace>,
+    /// Length of the next step where nothing is decided: a hint.
+    pub(super) moment: f64,
+    begin: Interval,
+    before: Vec<Interval>,
+}
+
+impl<'a> Journey<'a> {
+    pub(super) fn new(flow: &'a Flow, form: Form, stretches: &'a [Stretch]) -> Journey<'a> {
+        let mut journey = Journey {
+            begin: form.elapsed,
+            before: form.quick_hull(),
+            flow,
+            stretches,
+            form,
+            current: 0,
+            left: Interval::ZERO,
+            whole_at_end: false,
+            most: f64::INFINITY,
+            ends: Vec::new(),
+            tubes: Vec::new(),
+            acting: None,
+            certain: None,
+            workspace: None,
+            moment: f64::INFINITY,
+        };
+        journey.enter(0);
+        journey
+    }
+
+    /// Begins a stretch.
+    pub(super) fn enter(&mut self, stretch: usize) {
+        self.current = stretch;
+        self.left = self.stretches.get(stretch).map_or(Interval::ZERO, |s| s.dt);
+        self.begin = self.form.elapsed;
+        self.form.tube = self.form.quick_hull();
+        self.before.clone_from(&self.form.tube);
+    }
+
+    /// Goes through all stretches; on failure the form stands somewhere on the way.
+    pub(super) fn run(&mut self) -> Result<(), Diverged> {
+        while self.current < self.stretches.len() {
+            if self.left.hi() <= 0.0 {
+                self.form.elapsed = self.begin + self.stretches[self.current].dt;
+                self.ends.push(self.form.hull());
+                self.tubes.push(self.form.tube.clone());
+                let regime_depends = self
+                    .acting
+                    .as_ref()
+                    .is_some_and(|a| a.inputs.iter().any(|inputs| !inputs.is_empty()));
+                if regime_depends {
+                    self.acting = None;
+                }
+                self.certain = None;
+                self.enter(self.current + 1);
+                continue;
+            }
+            let moved = self.go_on();
+            let moved = match moved {
+                Ok(()) if self.most < 1.0 && self.form.excess() > self.most => {
+                    Err(Obstacle::TooLong)
+                }
+                moved => moved,
+            };
+            if let Err(obstacle) = moved {
+                return Err(Diverged {
+                    obstacle,
+                    state: widest_growth(&self.before, &self.form.quick_hull()),
+                    reached: self.form.elapsed,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Shortest step worth trying now.
+    pub(super) fn shortest(&self) -> f64 {
+        SHORTEST * self.stretches[self.current].dt.hi()
+    }
+
+    pub(super) fn inputs(&self) -> &'a [Interval] {
+        &self.stretches[self.current].inputs
+    }
+
+    /// States, parameters and inputs in one list.
+    pub(super) fn quantities(&self, states: &[Interval], inputs: &[Interval]) -> Vec<Interval> {
+        [states, &self.form.param_box(), inputs].concat()
+    }
+
+    /// One step of whatever kind is possible.
+    fn go_on(&mut self) -> Result<(), Obstacle> {
+        if self.acting.is_none() {
+            let regime = self.regime();
+            self.acting = match regime {
+                Some(regime) => Some(Acting::new(self.flow, regime, &self.form)),
+                None => self.certain.take(),
+            };
+        }
+        self.certain = None;
+        match self.acting.take() {
+            Some(acting) => self.smooth(acting),
+            None => self.mixed(None, Obstacle::Jump),
+        }
+    }
+
+    /// The regime that is certain now.
+    fn regime(&mut self) -> Option<Regime> {
+        if self.flow.is_smooth() {
+            return self.flow.resolve(None, &[]);
+        }
+        let states = self.form.quick_hull();
+        let field = self
+            .flow
+            .switching
+            .field(&self.quantities(&states, self.inputs()));
+        let signs = field.as_ref().map_or(Vec::new(), |field| self.signs(field));
+        self.flow.resolve(field.as_ref(), &signs)
+    }
+
+    /// What is known of the surfaces now: what was, and what the box of `field` says.
+    pub(super) fn signs(&self, field: &Field) -> Vec<Signs> {
+        let surfaces = field.surfaces.iter().enumerate();
+        surfaces
+            .map(|(surface, value)| {
+                let own = Signs::of(*value);
+                let known = self.form.signs.get(surface).copied().unwrap_or(Signs::ANY);
+                if self.flow.switching.surfaces.list[surface].inputs.is_empty() {
+                    own.and(known)
+                } else {
+                    own
+                }
+            })
+            .collect()
+    }
+
+    /// A step of the regime, as far as it is certain.
+    fn smooth(&mut self, mut acting: Acting) -> Result<(), Obstacle> {
+        let inputs = self.inputs();
+        let none = vec![0.0; self.flow.layout.states];
+        let prepared = acting.piece.prepare(
+            &self.form,
+            &mut acting.scratch,
+            (inputs, &none),
+            self.left,
+            self.shortest(),
+        );
+        let prepared = match prepared {
+            Ok(prepared) => prepared,
+            // What may jump or has no slope somewhere may still have bounds.
+            Err(why @ (Obstacle::Jump | Obstacle::Undefined)) => return self.mixed(None, why),
+            Err(obstacle) => return Err(obstacle),
+        };
+        let span = prepared.bounds.span;
+        let steady = acting.steady(inputs);
+        let trouble = acting.piece.trouble(
+            &acting.scratch,
+            &self.form.monomials,
+            (&acting.regime.watches, &steady),
+            span,
+        );
+        let Some(trouble) = trouble else {
+            return self.move_whole(acting, &prepared);
+        };
+        let unit = prepared.unit;
+        let takes = acting.crossing_time(trouble.watch, unit);
+        let from = trouble.from * (1.0 - 1e-9);
+        if from * unit > self.shortest() && from >= APPROACH * takes.min(span) {
+            let end = End::At {
+                scaled: from,
+                off: 0.0,
+            };
+            self.arrive(
+                &acting,
+                &prepared,
+                &end,
+                Interval::point(from) * Interval::point(unit),
+            )?;
+            self.form.signs.clone_from(&acting.regime.signs);
+            self.form.step = 2.0 * span * unit;
+            // Another choice of what to watch may last longer, but boxes may not see any.
+            self.certain = Some(acting);
+            return Ok(());
+        }
+        if self.cross(&mut acting, trouble.watch, unit).is_some() {
+            return Ok(());
+        }
+        if acting.regime.watches[trouble.watch].reason == Reason::Kink
+            && let Some(regime) = self.bent()
+        {
+            let acting = Acting::new(self.flow, regime, &self.form);
+            return self.smooth(acting);
+        }
+        self.mixed(Some((acting, takes * unit)), Obstacle::Jump)
+    }
+
+    /// The regime that is certain now, with all its kinks.
+    fn bent(&self) -> Option<Regime> {
+        let states = self.form.quick_hull();
+        let field = self
+            .flow
+            .switching
+            .field(&self.quantities(&states, self.inputs()))?;
+        self.flow.unbent(&field, &self.signs(&field))
+    }
+
+    fn move_whole(&mut self, acting: Acting, prepared: &Prepared) -> Result<(), Obstacle> {
+        let (unit, span) = (prepared.unit, prepared.bounds.span);
+        let (end, moved) = if prepared.last {
+            (Piece::last(self.left, unit), self.left)
+        } else {
+            let moved = Interval::point(span) * Interval::point(unit);
+            let end = End::At {
+                scaled: span,
+                off: 0.0,
+            };
+            (end, moved)
+        };
+        self.arrive(&acting, prepared, &end, moved)?;
+        if prepared.last {
+            self.left = Interval::ZERO;
+        }
+        let reached = if prepared.last {
+            span.max(self.form.step / unit)
+        } else {
+            2.0 * span
+        };
+        self.form.step = unit * reached;
+        self.form.signs.clone_from(&acting.regime.signs);
+        if acting.regime.has_kinks && !self.flow.is_smooth() {
+            // They may have been left behind.
+            self.certain = Some(acting);
+        } else {
+            self.acting = Some(acting);
+        }
+        Ok(())
+    }
+
+    /// What is held has its value, for all.
+    pub(super) fn hold(
+        &self,
+        regime: &Regime,
+        states: &mut [Vec<f64>],
+        map: &mut [Interval],
+        more: &mut [Interval],
+    ) {
+        let n = states.len();
+        for (surface, signs) in regime.signs.iter().enumerate() {
+            if *signs == Signs::ZERO
+                && let Some((state, value, _)) = self.flow.level(surface)
+            {
+                states[state].fill(0.0);
+                states[state][0] = value.mid();
+                more[state] = value - Interval::point(value.mid());
+                map[state * n..(state + 1) * n].fill(Interval::ZERO);
+            }
+        }
+    }
+
+    /// Puts the form to the end of a prepared step.
+    fn arrive(
+        &mut self,
+        acting: &Acting,
+        prepared: &Prepared,
+        end: &End,
+        moved: Interval,
+    ) -> Result<(), Obstacle> {
+        let arrival = acting
+            .piece
+            .arrival(&self.form, &acting.scratch, prepared, end)?;
+        for (tube, during) in self.form.tube.iter_mut().zip(&arrival.during) {
+            *tube = tube.hull(*during);
+        }
+        let Arrival {
+            mut states,
+            lows,
+            mut map,
+            mut more,
+            ..
+        } = arrival;
+        self.hold(&acting.regime, &mut states, &mut map, &mut more);
+        self.form.states = states;
+        self.form.transport(&map, &lows, &more);
+        self.form.settle()?;
+        self.form.elapsed += moved;
+        self.left -= moved;
+        Ok(())
+    }
+}
+
+impl Acting {
+    /// About the scaled time in which all solutions pass a watched expression's zero.
+    fn crossing_time(&self, watch: usize, unit: f64) -> f64 {
+        let probe = &self.piece.probes[watch];
+        let sizes = &self.scratch.errors.sizes;
+        let spread: f64 = sizes[probe.value].degree[1..].iter().sum();
+        let spread = raised(spread + self.scratch.radii[1][probe.value], 2);
+        let speed = (sizes[probe.rate].centre * unit).abs();
+        2.0 * spread / (speed + 1e-300)
+    }
+}
+
+/// The state whose width grew most.
+fn widest_growth(before: &[Interval], after: &[Interval]) -> usize {
+    let growth = |i: usize| {
+        let start = before[i].width() + 1e-12 * before[i].mag() + 1e-300;
+        after[i].width() / start
+    };
+    (0..before.len())
+        .max_by(|a, b| growth(*a).total_cmp(&growth(*b)))
+        .unwrap_or(0)
+}

@@ -1,0 +1,798 @@
+//! Which smooth right-hand side acts, and why no other one does.
+//!
+//! A [`Regime`] is a smooth right-hand side with expressions to *watch*. What is proved:
+//!
+//! *Lemma (sides).* Let a solution satisfy `g >= 0` at the start of a stretch, and at every time of it
+//! `g > 0` or `g' > 0` along the right-hand side of the regime. Let further every velocity that the
+//! inclusion allows where `g = 0` have `g' > 0`, if `g = 0` at the start. Then `g > 0` after the start,
+//! for as long as nothing but the regime acts where `g > 0`.
+//!
+//! *Proof.* At the start `g` is positive or grows. Were there a first later time with `g = 0`, the regime
+//! acts before it, and `g > 0` just before with `g' > 0`, so `g` grows to zero from above: a contradiction.
+//!
+//! *Lemma (holding).* Let `g = 0` at the start, `g' > 0` along all right-hand sides possible where `g < 0` and
+//! `g' < 0` along all possible where `g > 0`. Then `g = 0` throughout.
+//!
+//! *Proof.* As long as `g > 0`, `g` decreases; it starts at zero, so it never is. Likewise below.
+//!
+//! On `g = 0` almost everywhere `g' = 0`; where only one state has several rates that fixes it, and where
+//! there are two right-hand sides it fixes their convex combination. That is the right-hand side of a
+//! regime that *holds* `g`. It ends when one of the rates `g'` off the surface changes its sign, so these are
+//! watched, as any other expression.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: surfaces, modes, groups and states are named by positions in the model's lists"
+)]
+
+use std::ops::Range;
+
+use super::output::Output;
+use super::piece::gradient;
+use super::surfaces::{Signs, Surfaces};
+use crate::system::agree_on_guards;
+use veribound_interval::Interval;
+use veribound_model::{ExprId, Graph, Layout, Model, Tape, Var};
+
+/// Why an expression is watched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Reason {
+    /// It is a surface, and other modes lie behind it.
+    Side { surface: usize },
+    /// It is how fast the mode on that side drives solutions back to the surface that is held.
+    Hold { surface: usize, side: Signs },
+    /// An absolute value, a minimum or a maximum has its kink there.
+    Kink,
+}
+
+/// An expression that must keep its sign.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Watch {
+    pub(super) expr: ExprId,
+    pub(super) sign: Signs,
+    pub(super) reason: Reason,
+}
+
+/// A smooth right-hand side that acts while what is watched keeps its sign.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Regime {
+    pub(super) rates: Vec<ExprId>,
+    pub(super) watches: Vec<Watch>,
+    /// What is known of the surfaces.
+    pub(super) signs: Vec<Signs>,
+    /// Whether there may be kinks on the set.
+    pub(super) has_kinks: bool,
+}
+
+/// Modes, surfaces and jumps of a model, compiled.
+#[derive(Debug, Clone)]
+pub(super) struct Switching {
+    layout: Layout,
+    pub(super) surfaces: Surfaces,
+    groups: Vec<Group>,
+    /// The group of every state.
+    group_of: Vec<usize>,
+    /// `rates[mode]` are the states it governs, each with its rate.
+    pub(super) rates: Vec<Vec<(usize, ExprId)>>,
+    /// What every jump sets.
+    pub(super) sets: Vec<Set>,
+    tape: Tape,
+}
+
+#[derive(Debug, Clone)]
+struct Group {
+    modes: Range<usize>,
+    surfaces: Vec<usize>,
+}
+
+/// What a jump sets.
+#[derive(Debug, Clone)]
+pub(super) struct Set {
+    pub(super) states: Vec<usize>,
+    pub(super) values: Vec<Output>,
+    /// State that is set, and state that its value depends on.
+    slopes: Vec<(usize, usize)>,
+    /// The values, and the slopes.
+    tape: Tape,
+}
+
+impl Set {
+    fn compile(graph: &mut Graph, layout: Layout, set: &[(usize, ExprId)]) -> Set {
+        let mut slopes = Vec::new();
+        let mut roots: Vec<ExprId> = set.iter().map(|(_, e)| graph.elementary(*e)).collect();
+        for (position, (state, _)) in set.iter().enumerate() {
+            for (from, slope) in gradient(graph, roots[position], layout) {
+                slopes.push((*state, from));
+                roots.push(slope);
+            }
+        }
+        let values = roots[..set.len()].iter();
+        Set {
+            states: set.iter().map(|(state, _)| *state).collect(),
+            values: values
+                .map(|e| Output::compile(graph, layout.states, *e))
+                .collect(),
+            slopes,
+            tape: Tape::compile(graph, layout, &roots),
+        }
+    }
+
+    /// The values on a box of states, parameters and inputs, where they are continuous.
+    fn on_box(&self, quantities: &[Interval]) -> Option<Vec<Interval>> {
+        let mut registers = self.tape.registers();
+        if !self.tape.eval(quantities, &mut registers).is_defined() {
+            return None;
+        }
+        let values = 0..self.states.len();
+        Some(
+            values
+                .map(|index| self.tape.output(index, &registers))
+                .collect(),
+        )
+    }
+
+    /// State that is set, state that its value depends on, and how.
+    pub(super) fn slopes(&self, quantities: &[Interval]) -> Option<Vec<(usize, usize, Interval)>> {
+        let mut registers = self.tape.registers();
+        if !self.tape.eval(quantities, &mut registers).is_defined() {
+            return None;
+        }
+        let first = self.states.len();
+        let slopes = self.slopes.iter().enumerate();
+        let slope = |index: usize| self.tape.output::<Interval>(first + index, &registers);
+        Some(
+            slopes
+                .map(|(index, &(state, from))| (state, from, slope(index)))
+                .collect(),
+        )
+    }
+}
+
+/// Surfaces and right-hand sides on a box.
+pub(super) struct Field {
+    pub(super) surfaces: Vec<Interval>,
+    gradients: Vec<Vec<(usize, Interval)>>,
+    pub(super) rates: Vec<Vec<(usize, Interval)>>,
+    /// Whether the box knows of no error of these inputs.
+    exact: Vec<bool>,
+    /// The box.
+    pub(super) quantities: Vec<Interval>,
+}
+
+/// Velocities of a state.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Velocity {
+    /// Rates of modes, and their values.
+    pub(super) rates: Vec<(ExprId, Interval)>,
+    /// Values while some surface is zero.
+    pub(super) held: Vec<Interval>,
+}
+
+/// How a group is decided.
+enum Decision {
+    Mode(usize),
+    Hold(Hold),
+}
+
+struct Hold {
+    surface: usize,
+    below: Vec<usize>,
+    above: Vec<usize>,
+    /// All that act on the surface.
+    all: Vec<usize>,
+}
+
+impl Switching {
+    pub(super) fn compile(graph: &mut Graph, model: &Model) -> Switching {
+        let layout = model.layout();
+        let mut rates: Vec<Vec<(usize, ExprId)>> = (0..model.modes.len())
+            .map(|mode| model.governed(mode).collect())
+            .collect();
+        agree_on_guards(graph, model, &mut rates);
+        for (_, rate) in rates.iter_mut().flatten() {
+            *rate = graph.elementary(*rate);
+        }
+        let sets = model
+            .jumps
+            .iter()
+            .map(|jump| Set::compile(graph, layout, &jump.set));
+        let sets = sets.collect();
+        let surfaces = Surfaces::of(graph, model);
+        let mut group_of = vec![0; layout.states];
+        let groups = model.groups.iter().enumerate().map(|(index, group)| {
+            for state in &group.states {
+                group_of[*state] = index;
+            }
+            let mut asked = Vec::new();
+            for mode in group.modes.clone() {
+                surfaces.modes[mode].surfaces(&mut asked);
+            }
+            Group {
+                modes: group.modes.clone(),
+                surfaces: asked,
+            }
+        });
+        let groups = groups.collect();
+        let roots: Vec<ExprId> = surfaces
+            .list
+            .iter()
+            .map(|surface| surface.expr)
+            .chain(
+                surfaces
+                    .list
+                    .iter()
+                    .flat_map(|s| s.gradient.iter().map(|g| g.1)),
+            )
+            .chain(rates.iter().flatten().map(|r| r.1))
+            .collect();
+        Switching {
+            tape: Tape::compile(graph, layout, &roots),
+            layout,
+            surfaces,
+            groups,
+            group_of,
+            rates,
+            sets,
+        }
+    }
+
+    /// Evaluates everything on a box of states, parameters and inputs; `None` where something is undefined.
+    pub(super) fn field(&self, quantities: &[Interval]) -> Option<Field> {
+        let mut registers = self.tape.registers();
+        if !self.tape.eval(quantities, &mut registers).is_defined() {
+            return None;
+        }
+        let mut next = 0;
+        let mut take = || {
+            next += 1;
+            self.tape.output::<Interval>(next - 1, &registers)
+        };
+        let list = &self.surfaces.list;
+        let inputs = &quantities[self.layout.states + self.layout.params..];
+        Some(Field {
+            surfaces: list.iter().map(|_| take()).collect(),
+            gradients: list
+                .iter()
+                .map(|s| s.gradient.iter().map(|g| (g.0, take())).collect())
+                .collect(),
+            rates: self
+                .rates
+                .iter()
+                .map(|list| list.iter().map(|r| (r.0, take())).collect())
+                .collect(),
+            exact: inputs.iter().map(|u| u.is_point()).collect(),
+            quantities: quantities.to_vec(),
+        })
+    }
+
+    /// True if the surface is a function of the state alone during a stretch.
+    pub(super) fn is_steady(&self, surface: usize, field: &Field) -> bool {
+        let inputs = self.surfaces.list[surface].inputs.iter();
+        inputs.copied().all(|input| field.exact[input])
+    }
+
+    /// The regime that acts on the box of `field` where surfaces have `signs`, from now on and as long as
+    /// its watches last; `None` if that is not proved.
+    pub(super) fn resolve(
+        &self,
+        graph: &mut Graph,
+        field: &Field,
+        signs: Vec<Signs>,
+    ) -> Option<Regime> {
+        let mut regime = self.unbent(graph, field, signs)?;
+        self.straighten(graph, field, None, &mut regime);
+        Some(regime)
+    }
+
+    /// As [`Switching::resolve`], with all kinks in place.
+    pub(super) fn unbent(
+        &self,
+        graph: &mut Graph,
+        field: &Field,
+        mut signs: Vec<Signs>,
+    ) -> Option<Regime> {
+        let mut decisions = Vec::with_capacity(self.groups.len());
+        for group in 0..self.groups.len() {
+            decisions.push(self.decide(group, field, &mut signs)?);
+        }
+        if self.jump_possible(&signs) {
+            return None;
+        }
+        self.assemble(graph, field, &decisions, signs)
+    }
+
+    /// Whether some jump may happen.
+    pub(super) fn jump_possible(&self, signs: &[Signs]) -> bool {
+        self.surfaces.jumps.iter().any(|jump| jump.possible(signs))
+    }
+
+    /// The jump that certainly happens where surfaces have the signs `far`, if it is the only one possible
+    /// at `signs`.
+    pub(super) fn certain_jump(&self, signs: &[Signs], far: &[Signs]) -> Option<usize> {
+        let jumps = &self.surfaces.jumps;
+        let mut possible = (0..jumps.len()).filter(|jump| jumps[*jump].possible(signs));
+        let jump = possible.next()?;
+        (possible.next().is_none() && jumps[jump].certain(far)).then_some(jump)
+    }
+
+    /// The box of states after a jump, and whether it leaves a surface as it is.
+    pub(super) fn image(
+        &self,
+        jump: usize,
+        surface: usize,
+        quantities: &[Interval],
+    ) -> Option<(Vec<Interval>, bool)> {
+        let set = &self.sets[jump];
+        let mut states = quantities[..self.layout.states].to_vec();
+        for (state, value) in set.states.iter().zip(set.on_box(quantities)?) {
+            states[*state] = value;
+        }
+        let touched = |entry: &(usize, ExprId)| set.states.contains(&entry.0);
+        let keeps = !self.surfaces.list[surface].gradient.iter().any(touched);
+        Some((states, keeps))
+    }
+
+    /// What velocities are possible, at almost all times, on the box of `field` with surfaces of `signs`.
+    ///
+    /// Proof. Almost everywhere on the times at which a surface is zero its rate of change is zero. Where only
+    /// one state of a group has several rates, that fixes its velocity. At all other times the surface has
+    /// one of its strict signs.
+    pub(super) fn velocities(&self, field: &Field, signs: &[Signs]) -> Option<Vec<Velocity>> {
+        let mut velocities = vec![Velocity::default(); self.layout.states];
+        for (index, group) in self.groups.iter().enumerate() {
+            let mut modes = self.possible(index, signs);
+            let first = *modes.first()?;
+            let agreed: Vec<usize> = self.agreed(&modes).iter().map(|rate| rate.0).collect();
+            let mut open = self.rates[first].iter().map(|rate| rate.0);
+            let open = open.find(|state| !agreed.contains(state));
+            if agreed.len() + 1 == self.rates[first].len()
+                && let Some(state) = open
+            {
+                let mut strict = signs.to_vec();
+                for &surface in &group.surfaces {
+                    if signs[surface].has(Signs::ZERO)
+                        && self.is_steady(surface, field)
+                        && let Some(held) =
+                            self.tangent(surface, state, (index, first), field, signs)
+                    {
+                        strict[surface] = signs[surface].and(Signs::NEGATIVE.or(Signs::POSITIVE));
+                        velocities[state].held.push(held);
+                    }
+                }
+                modes = self.possible(index, &strict);
+                if modes.is_empty() {
+                    // The surface is zero all the time; any rate may lead the way.
+                    velocities[state]
+                        .rates
+                        .push(self.rate_of(first, state, field)?);
+                }
+                for other in agreed {
+                    velocities[other]
+                        .rates
+                        .push(self.rate_of(first, other, field)?);
+                }
+                for mode in modes {
+                    velocities[state]
+                        .rates
+                        .push(self.rate_of(mode, state, field)?);
+                }
+            } else {
+                for mode in modes {
+                    for (state, _) in &self.rates[mode] {
+                        velocities[*state]
+                            .rates
+                            .push(self.rate_of(mode, *state, field)?);
+                    }
+                }
+            }
+        }
+        Some(velocities)
+    }
+
+    fn rate_of(&self, mode: usize, state: usize, field: &Field) -> Option<(ExprId, Interval)> {
+        let index = self.rates[mode].iter().position(|rate| rate.0 == state)?;
+        Some((self.rates[mode][index].1, field.rates[mode][index].1))
+    }
+
+    /// The velocity of a state while a surface stays zero, if all others have one rate.
+    fn tangent(
+        &self,
+        surface: usize,
+        state: usize,
+        (group, mode): (usize, usize),
+        field: &Field,
+        signs: &[Signs],
+    ) -> Option<Interval> {
+        let gradient = &field.gradients[surface];
+        let own = gradient.iter().find(|entry| entry.0 == state)?.1;
+        if own.contains(0.0) {
+            return None;
+        }
+        let mut sum = Interval::ZERO;
+        for &(other, slope) in gradient.iter().filter(|entry| entry.0 != state) {
+            let modes = if self.group_of[other] == group {
+                vec![mode]
+            } else {
+                self.possible(self.group_of[other], signs)
+            };
+            let mut hull = Interval::EMPTY;
+            for mode in modes {
+                hull = hull.hull(self.rate_of(mode, other, field)?.1);
+            }
+            sum += slope * hull;
+        }
+        Some(-(sum / own))
+    }
+
+    /// The rate of a state where surfaces have these signs, if one mode comes first.
+    pub(super) fn rate_at(&self, state: usize, signs: &[Signs]) -> Option<ExprId> {
+        let mode = *self.possible(self.group_of[state], signs).first()?;
+        let rate = self.rates[mode].iter().find(|rate| rate.0 == state)?;
+        Some(rate.1)
+    }
+
+    fn possible(&self, group: usize, signs: &[Signs]) -> Vec<usize> {
+        let modes = self.groups[group].modes.clone();
+        modes
+            .filter(|mode| self.surfaces.modes[*mode].possible(signs))
+            .collect()
+    }
+
+    fn possible_with(
+        &self,
+        group: usize,
+        signs: &[Signs],
+        (surface, sign): (usize, Signs),
+    ) -> Vec<usize> {
+        let mut signs = signs.to_vec();
+        signs[surface] = sign;
+        self.possible(group, &signs)
+    }
+
+    fn decide(&self, group: usize, field: &Field, signs: &mut [Signs]) -> Option<Decision> {
+        let (down, up) = (Signs::NEGATIVE, Signs::POSITIVE);
+        loop {
+            let possible = self.possible(group, signs);
+            let first = *possible.first()?;
+            if possible
+                .iter()
+                .all(|mode| self.rates[*mode] == self.rates[first])
+            {
+                return Some(Decision::Mode(first));
+            }
+            let mut progress = false;
+            for &surface in &self.groups[group].surfaces {
+                let known = signs[surface];
+                if !known.has(Signs::ZERO) || known == Signs::ANY || !self.is_steady(surface, field)
+                {
+                    continue;
+                }
+                let side = |sign: Signs| self.possible_with(group, signs, (surface, sign));
+                let drift = |modes: &[usize]| self.common(surface, modes, group, field, signs);
+                let all = side(Signs::ZERO);
+                match drift(&all) {
+                    Some(way) if known.within(way.or(Signs::ZERO)) => {
+                        signs[surface] = way;
+                        progress = true;
+                        break;
+                    }
+                    _ => {}
+                }
+                if known == Signs::ZERO {
+                    let (below, above) = (side(down), side(up));
+                    if drift(&below) == Some(up) && drift(&above) == Some(down) {
+                        return Some(Decision::Hold(Hold {
+                            surface,
+                            below,
+                            above,
+                            all,
+                        }));
+                    }
+                }
+            }
+            if !progress {
+                return None;
+            }
+        }
+    }
+
+    /// The sign that a surface's rate of change has in all of these modes of a group.
+    fn common(
+        &self,
+        surface: usize,
+        modes: &[usize],
+        group: usize,
+        field: &Field,
+        signs: &[Signs],
+    ) -> Option<Signs> {
+        let mut found = None;
+        for mode in modes {
+            let sign = Signs::strict(self.drift(surface, (group, *mode), field, signs))?;
+            if found.is_some_and(|known| known != sign) {
+                return None;
+            }
+            found = Some(sign);
+        }
+        found
+    }
+
+    /// The rate of change of a surface in a mode of a group, and in any possible modes of the others.
+    fn drift(
+        &self,
+        surface: usize,
+        (group, mode): (usize, usize),
+        field: &Field,
+        signs: &[Signs],
+    ) -> Interval {
+        let terms = field.gradients[surface].iter().map(|&(state, slope)| {
+            let own = self.group_of[state];
+            let modes = if own == group {
+                vec![mode]
+            } else {
+                self.possible(own, signs)
+            };
+            let rates = modes.iter().flat_map(|mode| &field.rates[*mode]);
+            let rates = rates.filter(|rate| rate.0 == state);
+            slope * rates.fold(Interval::EMPTY, |hull, rate| hull.hull(rate.1))
+        });
+        terms.fold(Interval::ZERO, |sum, x| sum + x)
+    }
+
+    fn assemble(
+        &self,
+        graph: &mut Graph,
+        field: &Field,
+        decisions: &[Decision],
+        signs: Vec<Signs>,
+    ) -> Option<Regime> {
+        let mut rates: Vec<Option<ExprId>> = vec![None; self.layout.states];
+        for decision in decisions {
+            match decision {
+                Decision::Mode(mode) => {
+                    for (state, rate) in &self.rates[*mode] {
+                        rates[*state] = Some(*rate);
+                    }
+                }
+                Decision::Hold(hold) => {
+                    for (state, rate) in self.agreed(&hold.all) {
+                        rates[state] = Some(rate);
+                    }
+                }
+            }
+        }
+        for decision in decisions {
+            if let Decision::Hold(hold) = decision {
+                self.slide(graph, hold, &mut rates)?;
+            }
+        }
+        let rates: Vec<ExprId> = rates.into_iter().collect::<Option<_>>()?;
+        let mut watches = Vec::new();
+        let mut needed: Vec<usize> = Vec::new();
+        for (group, decision) in decisions.iter().enumerate() {
+            let surfaces = &self.groups[group].surfaces;
+            match decision {
+                Decision::Mode(_) => {
+                    let now = self.possible(group, &signs);
+                    let same = |signs: &[Signs]| self.possible(group, signs) == now;
+                    needed.extend(self.needed(surfaces, &signs, field, &same));
+                }
+                Decision::Hold(hold) => {
+                    let mut free = signs.clone();
+                    free[hold.surface] = Signs::ANY;
+                    let now = (&hold.below, &hold.above);
+                    let same = |signs: &[Signs]| {
+                        let side = |sign| self.possible_with(group, signs, (hold.surface, sign));
+                        (&side(Signs::NEGATIVE), &side(Signs::POSITIVE)) == now
+                    };
+                    let at = |signs: &[Signs]| {
+                        let at = self.possible_with(group, signs, (hold.surface, Signs::ZERO));
+                        at.iter().all(|mode| hold.all.contains(mode))
+                    };
+                    let both = |signs: &[Signs]| same(signs) && (at(signs) || self.one_rate(hold));
+                    needed.extend(self.needed(surfaces, &free, field, &both));
+                    self.holding(graph, hold, &rates, &mut watches);
+                }
+            }
+        }
+        let mut asked = Vec::new();
+        for jump in &self.surfaces.jumps {
+            jump.surfaces(&mut asked);
+        }
+        let still = |signs: &[Signs]| !self.jump_possible(signs);
+        needed.extend(self.needed(&asked, &signs, field, &still));
+        needed.sort_unstable();
+        needed.dedup();
+        let mut kept = vec![Signs::ANY; signs.len()];
+        for decision in decisions {
+            if let Decision::Hold(hold) = decision {
+                kept[hold.surface] = Signs::ZERO;
+            }
+        }
+        for surface in needed {
+            let sign = signs[surface];
+            if sign != Signs::POSITIVE && sign != Signs::NEGATIVE {
+                return None;
+            }
+            kept[surface] = sign;
+            watches.push(Watch {
+                expr: self.surfaces.list[surface].expr,
+                sign,
+                reason: Reason::Side { surface },
+            });
+        }
+        Some(Regime {
+            rates,
+            watches,
+            signs: kept,
+            has_kinks: true,
+        })
+    }
+
+    /// Takes the kinks out of the rates of a regime where their sides are known on the box of `field`, or
+    /// given as known.
+    pub(super) fn straighten(
+        &self,
+        graph: &mut Graph,
+        field: &Field,
+        known: Option<(ExprId, Signs)>,
+        regime: &mut Regime,
+    ) {
+        let layout = self.layout;
+        let value = |var: Var| field.quantities[layout.index(var)];
+        let mut sides: Vec<(ExprId, Signs)> = known.into_iter().collect();
+        let mut open = false;
+        for rate in &mut regime.rates {
+            *rate = graph.straightened(*rate, &mut |graph, e| {
+                let side = sides.iter().find(|side| side.0 == e).map(|side| side.1);
+                let side = side.or_else(|| Signs::strict(graph.eval_interval(e, &value)));
+                match side {
+                    Some(side) => {
+                        if !sides.contains(&(e, side)) {
+                            sides.push((e, side));
+                        }
+                        Some(side == Signs::POSITIVE)
+                    }
+                    None => {
+                        open = true;
+                        None
+                    }
+                }
+            });
+        }
+        regime.has_kinks = open;
+        regime
+            .watches
+            .extend(sides.into_iter().map(|(expr, sign)| Watch {
+                expr,
+                sign,
+                reason: Reason::Kink,
+            }));
+    }
+
+    /// Surfaces whose signs must stay as they are for `same` to stay true, those far from zero if there is
+    /// a choice.
+    fn needed(
+        &self,
+        surfaces: &[usize],
+        signs: &[Signs],
+        field: &Field,
+        same: &dyn Fn(&[Signs]) -> bool,
+    ) -> Vec<usize> {
+        let mut order = surfaces.to_vec();
+        let time_left = |surface: usize| {
+            let terms = field.gradients[surface].iter().map(|&(state, slope)| {
+                let rates = field.rates.iter().flatten().filter(|rate| rate.0 == state);
+                slope.mag() * rates.fold(0.0, |most: f64, rate| most.max(rate.1.mag()))
+            });
+            field.surfaces[surface].mig() / (terms.sum::<f64>() + 1e-300)
+        };
+        order.sort_by(|a, b| time_left(*a).total_cmp(&time_left(*b)));
+        let mut free = signs.to_vec();
+        order.retain(|surface| {
+            let known = std::mem::replace(&mut free[*surface], Signs::ANY);
+            let is_needed = known != Signs::ANY && !same(&free);
+            if is_needed {
+                free[*surface] = known;
+            }
+            is_needed
+        });
+        order
+    }
+
+    /// States to which all of these modes give the same rate.
+    fn agreed(&self, modes: &[usize]) -> Vec<(usize, ExprId)> {
+        let first = &self.rates[modes[0]];
+        let same = |index: usize| {
+            modes
+                .iter()
+                .all(|mode| self.rates[*mode][index] == first[index])
+        };
+        (0..first.len())
+            .filter(|index| same(*index))
+            .map(|index| first[index])
+            .collect()
+    }
+
+    /// Whether only one state's rate switches: then any mode that joins leaves the held rate as it is.
+    fn one_rate(&self, hold: &Hold) -> bool {
+        let agreed = self.agreed(&hold.all).len();
+        agreed + 1 == self.rates[hold.all[0]].len() && {
+            let group = self.group_of[self.rates[hold.all[0]][0].0];
+            let all: Vec<usize> = self.groups[group].modes.clone().collect();
+            self.agreed(&all).len() == agreed
+        }
+    }
+
+    /// The rates on a surface that is held.
+    fn slide(&self, graph: &mut Graph, hold: &Hold, rates: &mut [Option<ExprId>]) -> Option<()> {
+        let gradient = &self.surfaces.list[hold.surface].gradient;
+        let open: Vec<usize> = self.rates[hold.all[0]]
+            .iter()
+            .map(|rate| rate.0)
+            .filter(|state| rates[*state].is_none())
+            .collect();
+        if let [state] = open[..] {
+            let slope = gradient.iter().find(|entry| entry.0 == state)?.1;
+            graph.as_constant(slope)?;
+            let mut sum = graph.integer(0);
+            for &(other, slope) in gradient.iter().filter(|entry| entry.0 != state) {
+                let term = graph.mul(slope, rates[other]?);
+                sum = graph.add(sum, term);
+            }
+            let quotient = graph.div(sum, slope);
+            rates[state] = Some(graph.neg(quotient));
+            return Some(());
+        }
+        let ([below], [above]) = (&hold.below[..], &hold.above[..]) else {
+            return None;
+        };
+        if hold.all.iter().any(|mode| mode != below && mode != above) {
+            return None;
+        }
+        let mut drifts = [graph.integer(0); 2];
+        for (mode, drift) in [below, above].into_iter().zip(&mut drifts) {
+            for &(state, slope) in gradient {
+                let own = self.rates[*mode].iter().find(|rate| rate.0 == state);
+                let rate = own.map(|rate| rate.1).or(rates[state])?;
+                let term = graph.mul(slope, rate);
+                *drift = graph.add(*drift, term);
+            }
+        }
+        let apart = graph.sub(drifts[0], drifts[1]);
+        for (below, above) in self.rates[*below].iter().zip(&self.rates[*above]) {
+            let (first, second) = (graph.mul(drifts[0], above.1), graph.mul(drifts[1], below.1));
+            let sum = graph.sub(first, second);
+            if rates[below.0].is_none() {
+                rates[below.0] = Some(graph.div(sum, apart));
+            }
+        }
+        Some(())
+    }
+
+    /// Watches that keep a surface held.
+    fn holding(&self, graph: &mut Graph, hold: &Hold, rates: &[ExprId], watches: &mut Vec<Watch>) {
+        let sides = [
+            (&hold.below, Signs::NEGATIVE, Signs::POSITIVE),
+            (&hold.above, Signs::POSITIVE, Signs::NEGATIVE),
+        ];
+        for (modes, side, sign) in sides {
+            for mode in modes {
+                let mut drift = graph.integer(0);
+                for &(state, slope) in &self.surfaces.list[hold.surface].gradient {
+                    let own = self.rates[*mode].iter().find(|rate| rate.0 == state);
+                    let rate = own.map_or(rates[state], |rate| rate.1);
+                    let term = graph.mul(slope, rate);
+                    drift = graph.add(drift, term);
+                }
+                let surface = hold.surface;
+                let watch = Watch {
+                    expr: drift,
+                    sign,
+                    reason: Reason::Hold { surface, side },
+                };
+                if !watches.contains(&watch) {
+                    watches.push(watch);
+                }
+            }
+        }
+    }
+}
