@@ -11,7 +11,7 @@
 
 use std::time::Instant;
 
-use veribound_flow::form::{Diverged, Effort, Enclosure, Flow, FormOptions, Stretch};
+use veribound_flow::form::{Effort, Enclosure, Flow, FormOptions, Stretch};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::Model;
 
@@ -278,12 +278,7 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-fn run(
-    case: &Case,
-    flow: &Flow,
-    options: FormOptions,
-    effort: Effort,
-) -> Result<Enclosure, Diverged> {
+fn run(case: &Case, flow: &Flow, options: FormOptions, effort: Effort) -> Enclosure {
     let start: Vec<Interval> = case.start.iter().map(|x| between(*x)).collect();
     let params: Vec<Interval> = case.params.iter().map(|x| between(*x)).collect();
     let stretches = case.stretches.iter().map(|(dt, inputs)| Stretch {
@@ -347,21 +342,21 @@ fn main() {
             "{:18} {milliseconds:9.2} ms of {} ms",
             case.name, case.milliseconds
         );
-        match last {
-            Ok(enclosure) => {
-                let hull = enclosure.ends.last().unwrap();
-                for (state, inner, most) in &case.wanted {
-                    let width = hull[*state].width();
-                    let verdict = if width <= *most { "reached" } else { "" };
-                    println!(
-                        "    {:3} {:24} width {width:12.6e}  inner {inner:9.4e}  wanted {most:9.4e} {verdict} ({} parts)",
-                        model.states[*state].name,
-                        format!("{}", hull[*state]),
-                        enclosure.parts,
-                    );
-                }
-            }
-            Err(why) => println!("    {why:?}"),
+        if let Some(why) = &last.stopped {
+            println!("    {why:?}");
+        }
+        let Some(hull) = last.ends.last() else {
+            continue;
+        };
+        for (state, inner, most) in &case.wanted {
+            let width = hull[*state].width();
+            let verdict = if width <= *most { "reached" } else { "" };
+            println!(
+                "    {:5} {:24} width {width:12.6e}  inner {inner:9.4e}  wanted {most:9.4e} {verdict} ({} parts)",
+                model.states[*state].name,
+                format!("{}", hull[*state]),
+                last.parts,
+            );
         }
     }
 }

@@ -72,17 +72,44 @@ fn what_is_not_proved_is_not_written() {
     assert!(!place.path().join("e.csv").exists());
 }
 
+/// What was proved before the pole of `1 / (1 - t)` stays.
 #[test]
-fn models_with_modes_are_refused() {
+fn what_is_proved_stays() {
     let place = Place::new();
-    let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nder.x = \"-sign(x)\"\noutputs.y = \"x +- 0.1\"\n";
+    let text =
+        "format = 1\nstates = [\"x\"]\ninit.x = 1\nder.x = \"x^2\"\noutputs.y = \"x +- 0.1\"\n";
     let model = place.file("m.toml", text);
     let run = place.run(&[
-        "enclose", &model, "--until", "2", "--every", "1", "-o", "e.csv",
+        "enclose", &model, "--until", "2", "--every", "0.25", "-o", "e.csv",
     ]);
-    let said = run.ended(2).err;
+    let said = run.ended(3).err;
+    assert!(said.contains("The table ends at 0.75 s."), "{said}");
+    let table = std::fs::read_to_string(place.path().join("e.csv")).unwrap();
+    let last = table.lines().last().unwrap();
     assert!(
-        said.contains("error[E0614]: the model `m` has 2 modes"),
+        last.starts_with("0.75,3.99999") || last.starts_with("0.75,4"),
+        "{last}"
+    );
+}
+
+/// `x' = -sign(x)` comes to zero at 1 and stays there.
+#[test]
+fn modes_are_followed() {
+    let place = Place::new();
+    let text = "format = 1\nstates = [\"x\"]\ninit.x = [0.9, 1]\nder.x = \"-sign(x)\"\noutputs.y = \"x +- 0.1\"\n";
+    let model = place.file("m.toml", text);
+    let run = place.run(&[
+        "enclose", &model, "--until", "2", "--every", "0.5", "-o", "e.csv",
+    ]);
+    let said = run.ended(0).out;
+    assert!(
+        said.contains("x   [0, 0]") || said.contains("x   0"),
         "{said}"
+    );
+    let table = std::fs::read_to_string(place.path().join("e.csv")).unwrap();
+    let row = table.lines().nth(2).unwrap();
+    assert!(
+        row.starts_with("0.5,0.39999") || row.starts_with("0.5,0.4,0.5"),
+        "{row}"
     );
 }

@@ -78,6 +78,8 @@ pub(super) struct Journey<'a> {
     pub(super) workspace: Option<Workspace>,
     /// Length of the next step where nothing is decided: a hint.
     pub(super) moment: f64,
+    /// How much each unknown decides when surfaces are met that could not be crossed.
+    pub(super) torn: Vec<f64>,
     begin: Interval,
     before: Vec<Interval>,
 }
@@ -87,6 +89,7 @@ impl<'a> Journey<'a> {
         let mut journey = Journey {
             begin: form.elapsed,
             before: form.quick_hull(),
+            torn: vec![0.0; form.unknowns.len()],
             flow,
             stretches,
             form,
@@ -261,6 +264,7 @@ impl<'a> Journey<'a> {
         if self.cross(&mut acting, trouble.watch, unit).is_some() {
             return Ok(());
         }
+        acting.blame(trouble.watch, &mut self.torn);
         if acting.regime.watches[trouble.watch].reason == Reason::Kink
             && let Some(regime) = self.bent()
         {
@@ -365,6 +369,17 @@ impl<'a> Journey<'a> {
 }
 
 impl Acting {
+    /// Adds how much each unknown decides when a watched expression's zero is passed.
+    fn blame(&self, watch: usize, torn: &mut [f64]) {
+        let stride = self.scratch.series.stride;
+        let block = self.scratch.series.block(self.piece.probes[watch].value);
+        let slopes = block.iter().step_by(stride).skip(1);
+        let total: f64 = slopes.clone().map(|x| x.abs()).sum();
+        for (slot, slope) in torn.iter_mut().zip(slopes) {
+            *slot += slope.abs() / (total + 1e-300);
+        }
+    }
+
     /// About the scaled time in which all solutions pass a watched expression's zero.
     fn crossing_time(&self, watch: usize, unit: f64) -> f64 {
         let probe = &self.piece.probes[watch];

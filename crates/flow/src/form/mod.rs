@@ -43,6 +43,15 @@
 //!
 //! A step that finds no `D` is shortened; a form never changes unless the step is proved.
 //!
+//! # Switches
+//!
+//! All this is about one smooth right-hand side. Which one acts, and why no other does, is proved from the
+//! signs of the expressions in guards (`regime.rs`); they are watched along every step (`watching.rs`). Where
+//! one may change, all solutions cross its zero together, each at a time of its own that is a polynomial in
+//! the unknowns (`crossing.rs`): into another mode, into one that holds the surface (stick), out of it, over a kink, or
+//! through a jump of the state. So states stay functions of the unknowns. Where a crossing cannot be proved, because some
+//! solutions graze or stay behind, boxes go on for a moment (`mixed.rs`).
+//!
 //! Sources: Taylor models, Makino and Berz 1996; Lohner's frames, Lohner 1988; the comparison of defects is
 //! Müller's theorem for linear systems. Bounding the defect of a point polynomial instead of enclosing
 //! every Taylor coefficient is own.

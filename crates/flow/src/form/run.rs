@@ -47,8 +47,8 @@ impl Default for Effort {
 
 /// What is proved about a whole run.
 ///
-/// Guarantee: all solutions from the start set exist to the end; at the end of every stretch they lie in
-/// its box of `ends`, and during the stretch in its box of `tubes`.
+/// Guarantee: all solutions from the start set exist to the end of the last stretch listed; at the end of
+/// every one they lie in its box of `ends`, and during the stretch in its box of `tubes`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Enclosure {
     /// One box of states for the end of every stretch.
@@ -57,6 +57,8 @@ pub struct Enclosure {
     pub tubes: Vec<Vec<Interval>>,
     /// Number of parts that the set was divided into.
     pub parts: usize,
+    /// Why not all stretches are listed, if they are not.
+    pub stopped: Option<Diverged>,
 }
 
 /// Narrow sets need no more than this degree,
@@ -77,6 +79,8 @@ struct Passage {
     tubes: Vec<Vec<Interval>>,
     failure: Option<Diverged>,
     last: Form,
+    /// How much each unknown decides when surfaces are met that could not be crossed.
+    torn: Vec<f64>,
 }
 
 impl Passage {
@@ -93,10 +97,9 @@ impl Flow {
     /// Encloses all solutions that start in `states` with parameters in `params`, over all stretches.
     ///
     /// Guarantee: that of [`Enclosure`]. The degree is raised while that helps, unless the options fix
-    /// it; then the set is divided at the unknown that is least linear, as far as `effort` allows. What is
-    /// not good enough then is returned as it is.
-    ///
-    /// Errors: [`Diverged`] where some part could not be proved to the end.
+    /// it; then the set is divided, as far as `effort` allows, at the unknown that decides when a surface is
+    /// met which could not be crossed, or else at the one that is least linear. What is not good enough then
+    /// is returned as it is, as far as all parts could be proved.
     pub fn enclose(
         &self,
         states: &[Interval],
@@ -104,32 +107,42 @@ impl Flow {
         stretches: &[Stretch],
         options: FormOptions,
         effort: Effort,
-    ) -> Result<Enclosure, Diverged> {
+    ) -> Enclosure {
         let mut open: Vec<Part> = vec![(states.to_vec(), params.to_vec())];
         let mut result = Enclosure {
             ends: Vec::new(),
             tubes: Vec::new(),
             parts: 0,
+            stopped: None,
         };
         while let Some(part) = open.pop() {
             let passage = self.best_passage(&part, stretches, options, effort);
             let divisible = result.parts + open.len() + 2 <= effort.parts;
             let halves = if divisible && passage.excess() > effort.excess {
-                divide(&part, &passage.last)
+                divide(&part, &passage)
             } else {
                 None
             };
-            match (halves, passage.failure) {
-                (Some(halves), _) => open.extend(halves),
-                (None, Some(diverged)) => return Err(diverged),
-                (None, None) => {
-                    merge(&mut result.ends, passage.ends);
-                    merge(&mut result.tubes, passage.tubes);
-                    result.parts += 1;
+            if let Some(halves) = halves {
+                open.extend(halves);
+                continue;
+            }
+            let is_first = result.parts == 0;
+            result.parts += 1;
+            merge(&mut result.ends, passage.ends, is_first);
+            merge(&mut result.tubes, passage.tubes, is_first);
+            if let Some(stopped) = passage.failure {
+                let before = result.stopped.as_ref().map(|known| known.reached.lo());
+                if before.is_none_or(|before| stopped.reached.lo() < before) {
+                    result.stopped = Some(stopped);
+                }
+                // Nothing beyond can be proved for all parts, and further parts are not worth it.
+                if result.ends.is_empty() {
+                    break;
                 }
             }
         }
-        Ok(result)
+        result
     }
 
     /// The passage of the lowest degree that is good enough, or the best one.
@@ -199,6 +212,7 @@ impl Flow {
             tubes: journey.tubes,
             failure,
             last: journey.form,
+            torn: journey.torn,
         }
     }
 }
@@ -218,10 +232,16 @@ fn highest_degree(unknowns: usize) -> usize {
     degree.max(usual_degree(unknowns))
 }
 
-/// The halves of a part along the unknown that its form depends on least linearly.
-fn divide((states, params): &Part, form: &Form) -> Option<[Part; 2]> {
-    let curvature = form.curvature();
-    let v = (0..curvature.len()).max_by(|a, b| curvature[*a].total_cmp(&curvature[*b]))?;
+/// The halves of a part along the unknown that most crossings were lost by, or that its form depends on least
+/// linearly.
+fn divide((states, params): &Part, passage: &Passage) -> Option<[Part; 2]> {
+    let form = &passage.last;
+    let weights = if passage.torn.iter().any(|weight| *weight > 0.0) {
+        passage.torn.clone()
+    } else {
+        form.curvature()
+    };
+    let v = (0..weights.len()).max_by(|a, b| weights[*a].total_cmp(&weights[*b]))?;
     let mut halves = [
         (states.clone(), params.clone()),
         (states.clone(), params.clone()),
@@ -244,12 +264,13 @@ fn divide((states, params): &Part, form: &Form) -> Option<[Part; 2]> {
     Some(halves)
 }
 
-/// Hulls of boxes, one by one.
-fn merge(into: &mut Vec<Vec<Interval>>, from: Vec<Vec<Interval>>) {
-    if into.is_empty() {
+/// Hulls of boxes, one by one, as far as both lists go.
+fn merge(into: &mut Vec<Vec<Interval>>, from: Vec<Vec<Interval>>, is_first: bool) {
+    if is_first {
         *into = from;
         return;
     }
+    into.truncate(from.len());
     for (into, from) in into.iter_mut().zip(from) {
         for (x, y) in into.iter_mut().zip(from) {
             *x = x.hull(y);

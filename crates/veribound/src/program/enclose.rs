@@ -14,7 +14,7 @@ use veribound_interval::{Decimal, Interval};
 use veribound_model::Model;
 use veribound_model::diagnostic::Diagnostic;
 
-/// Encloses, and writes the table when all of it is proved.
+/// Encloses, and writes as much of the table as is proved.
 pub fn run(arguments: &Enclose) -> Outcome {
     let mut files = vec![("the model file", arguments.model.as_path())];
     let profile = arguments.times.input.as_deref();
@@ -34,19 +34,18 @@ pub fn run(arguments: &Enclose) -> Outcome {
     };
     let begin = Instant::now();
     let options = FormOptions::default();
-    match flow.enclose(&start, &params, &stretches, options, effort) {
-        Ok(enclosure) => {
-            write(arguments, &folder, &model, &times, &start, &enclosure)?;
-            say(&table(
-                &model,
-                &times,
-                &enclosure,
-                begin.elapsed().as_secs_f64(),
-            ));
-            Ok(Ending::Done)
-        }
-        Err(diverged) => {
-            remark(&why(&model, &diverged));
+    let enclosure = flow.enclose(&start, &params, &stretches, options, effort);
+    let seconds = begin.elapsed().as_secs_f64();
+    let proved = times.len().min(enclosure.ends.len() + 1);
+    let times = times.get(..proved).unwrap_or(&times);
+    if proved > 1 {
+        write(arguments, &folder, &model, times, &start, &enclosure)?;
+        say(&table(&model, times, &enclosure, seconds));
+    }
+    match &enclosure.stopped {
+        None => Ok(Ending::Done),
+        Some(diverged) => {
+            remark(&why(&model, diverged, times));
             Ok(Ending::Undecided)
         }
     }
@@ -129,7 +128,7 @@ fn table(model: &Model, times: &[Decimal], enclosure: &Enclosure, seconds: f64) 
 }
 
 /// What stood in the way, where and when.
-fn why(model: &Model, diverged: &Diverged) -> String {
+fn why(model: &Model, diverged: &Diverged, times: &[Decimal]) -> String {
     let state = model.states.get(diverged.state);
     let state = state.map_or("", |state| state.name.as_str());
     let reason = match diverged.obstacle {
@@ -138,9 +137,13 @@ fn why(model: &Model, diverged: &Diverged) -> String {
         Obstacle::Jump => "the right-hand side may jump on the set",
         Obstacle::Unbounded => "numbers became too large",
     };
+    let kept = match times {
+        [_, .., last] => format!("The table ends at {last} s."),
+        _ => "Nothing is written.".to_string(),
+    };
     format!(
-        "undecided: proved only to {:.6} s: {reason}; the width of `{state}` grew most. Nothing is written. Try \
-         narrower start boxes or parameters, a shorter time, or more `--parts`.",
+        "undecided after {:.6} s: {reason}; the width of `{state}` grew most. {kept} Try narrower start boxes or \
+         parameters, a shorter time, or more `--parts`.",
         diverged.reached.lo(),
     )
 }
