@@ -11,7 +11,7 @@ mod common;
 
 use common::smooth::SMOOTH;
 use common::{Rng, interval, read};
-use veribound_flow::form::{Flow, FormOptions, Obstacle, Output};
+use veribound_flow::form::{Effort, Flow, FormOptions, Obstacle, Output, Stretch};
 use veribound_interval::{Decimal, Interval};
 
 fn flow(text: &str) -> Flow {
@@ -249,6 +249,27 @@ fn failures_change_nothing_and_claim_nothing() {
     );
     // x' = 1 + x^2 from 0 has its pole at pi/2.
     assert!(case("1 + x^2", Interval::ZERO, 2.0).reached.hi() < std::f64::consts::FRAC_PI_2);
+}
+
+/// Guards that are proved to leave no gap only up to 2 prove nothing beyond.
+#[test]
+fn nothing_is_claimed_where_guards_may_leave_a_gap() {
+    let text = "format = 1\nstates = { x = { init = 0, domain = [-1, 2] } }\noutputs.m = \"x +- 1\"\n\
+        [modes.low]\nwhen = \"x < 1\"\nder = { x = \"1\" }\n[modes.high]\nwhen = \"x >= 1 and x < 2.5\"\nder = { x = \"2\" }\n";
+    let flow = flow(text);
+    let stretches = vec![
+        Stretch {
+            inputs: vec![],
+            dt: Interval::point(0.5),
+        };
+        5
+    ];
+    let (options, effort) = (FormOptions::default(), Effort::default());
+    let enclosure = flow.enclose(&[Interval::ZERO], &[], &stretches, options, effort);
+    // It passes 1 at 1 and 2 at 1.5.
+    assert_eq!(enclosure.stopped.unwrap().obstacle, Obstacle::LeavesDomain);
+    assert!(enclosure.ends.len() == 2 || enclosure.ends.len() == 3);
+    assert!(enclosure.ends[1][0].contains(1.0));
 }
 
 /// The end may lie anywhere in the time given.

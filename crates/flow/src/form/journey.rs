@@ -135,7 +135,14 @@ impl<'a> Journey<'a> {
                 self.enter(self.current + 1);
                 continue;
             }
-            let moved = self.go_on();
+            let known = self.ends.len();
+            let mut moved = self.go_on();
+            if moved.is_ok() && !self.is_in_domain(known) {
+                // What was passed on the way is proved no more than the rest.
+                self.ends.truncate(known);
+                self.tubes.truncate(known);
+                moved = Err(Obstacle::LeavesDomain);
+            }
             let moved = match moved {
                 Ok(()) if self.most < 1.0 && self.form.excess() > self.most => {
                     Err(Obstacle::TooLong)
@@ -151,6 +158,24 @@ impl<'a> Journey<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Whether guards are proved to leave no gap wherever solutions have been since `known` stretches were done.
+    fn is_in_domain(&self, known: usize) -> bool {
+        let Some(domain) = &self.flow.system.domain else {
+            return true;
+        };
+        let within = |list: &[Interval], allowed: &[Interval]| {
+            list.iter()
+                .zip(allowed)
+                .all(|(x, allowed)| x.is_subset_of(*allowed))
+        };
+        let tubes = self.tubes[known..].iter().chain([&self.form.tube]);
+        let mut inputs = self.stretches[known..]
+            .iter()
+            .take(self.ends.len() + 1 - known);
+        tubes.into_iter().all(|tube| within(tube, &domain.states))
+            && inputs.all(|stretch| within(&stretch.inputs, &domain.inputs))
     }
 
     /// Shortest step worth trying now.

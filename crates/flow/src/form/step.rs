@@ -32,6 +32,9 @@ pub enum Obstacle {
     Jump,
     /// Numbers became too large.
     Unbounded,
+    /// The set, or an input, may leave the domain in which the guards of the modes are proved to leave no
+    /// gap.
+    LeavesDomain,
 }
 
 /// Scratch for steps of one shape of forms.

@@ -136,6 +136,9 @@ fn why(model: &Model, diverged: &Diverged, times: &[Decimal]) -> String {
         Obstacle::Undefined => "a function may be undefined, or not smooth, on the set",
         Obstacle::Jump => "the right-hand side may jump on the set",
         Obstacle::Unbounded => "numbers became too large",
+        Obstacle::LeavesDomain => {
+            "the set, or an input, may leave the domain in which the guards are proved to leave no gap"
+        }
     };
     let kept = match times {
         [_, .., last] => format!("The table ends at {last} s."),
