@@ -275,3 +275,173 @@ fn no_solution_is_lost_across_switches() {
     println!("{all:?}");
     assert!(all.checks > 10_000 && all.events.crossings > 200 && all.events.captures > 200);
 }
+
+/// A motor with dry friction, and how it is driven: one level for every sample of 10 ms.
+struct Motor {
+    params: [(f64, f64); 3],
+    levels: Vec<f64>,
+}
+
+impl Motor {
+    /// The hull of sampled solutions and the hull proved, at every sample.
+    fn hulls(&self, options: FormOptions) -> Vec<[[Interval; 2]; 2]> {
+        let text = "format = 1\nstates = [\"x\", \"v\"]\ninputs = [\"u\"]\n[init]\nx = 0\nv = 0\n[params]\na = [-3, 0]\n\
+            b = [90, 210]\nT = [0, 0.3]\n[der]\nx = \"v\"\nv = \"a*v + b*(u - friction(v, u, T))\"\n[outputs]\nm = \"x +- 1\"\n";
+        let flow = Flow::new(&read("motor", text));
+        let params = self.params.map(|(lo, hi)| interval(lo, hi));
+        let stretches: Vec<Stretch> = self
+            .levels
+            .iter()
+            .map(|u| Stretch {
+                inputs: vec![Interval::point(*u)],
+                dt: Interval::point(0.01),
+            })
+            .collect();
+        let start = [Interval::ZERO; 2];
+        let proved = flow.enclose(&start, &params, &stretches, options, Effort::default());
+        assert!(proved.stopped.is_none(), "{:?}", proved.stopped);
+        let mut solutions = Vec::new();
+        let at = |(lo, hi): (f64, f64), k: u32| lo + (hi - lo) * f64::from(k) / 4.0;
+        for number in 0..125 {
+            let p = [
+                at(self.params[0], number % 5),
+                at(self.params[1], number / 5 % 5),
+                at(self.params[2], number / 25),
+            ];
+            solutions.push((p, 0.0, 0.0));
+        }
+        let mut hulls = Vec::new();
+        for (u, end) in self.levels.iter().zip(&proved.ends) {
+            let mut inner = [Interval::EMPTY; 2];
+            for (p, x, v) in &mut solutions {
+                (*x, *v) = common::rig_step(*x, *v, *u, *p, 0.01);
+                inner[0] = inner[0].hull(Interval::point(*x));
+                inner[1] = inner[1].hull(Interval::point(*v));
+            }
+            for (inner, outer) in inner.iter().zip(end) {
+                let (lo, hi) = (inner.lo() - outer.lo(), outer.hi() - inner.hi());
+                assert!(lo > -1e-8 && hi > -1e-8, "{inner} in {outer}");
+            }
+            hulls.push([inner, [end[0], end[1]]]);
+        }
+        hulls
+    }
+}
+
+/// The worst of (width proved - `slack`) / width sampled, for both states, where solutions move.
+fn worst(hulls: &[[[Interval; 2]; 2]], slack: f64) -> [(f64, usize); 2] {
+    let mut worst = [(0.0, 0); 2];
+    for (k, [inner, outer]) in hulls.iter().enumerate() {
+        for i in 0..2 {
+            let ratio = (outer[i].width() - slack) / (inner[i].width() + 1e-300);
+            if outer[i].width() > slack && ratio > worst[i].0 {
+                worst[i] = (ratio, k);
+            }
+        }
+    }
+    worst
+}
+
+/// Slip, reversal, stick and break-away at levels that differ from sample to sample.
+#[test]
+fn dependence_survives_friction_under_a_sampled_sine() {
+    let motor = Motor {
+        params: [(-2.05, -1.95), (99.0, 101.0), (0.098, 0.102)],
+        levels: (0..1000)
+            .map(|k| 0.25 * (0.8 * f64::from(k) * 0.01).sin())
+            .collect(),
+    };
+    let hulls = motor.hulls(FormOptions::default());
+    let [inner, outer] = hulls[999];
+    let ratios = [0, 1].map(|i| outer[i].width() / inner[i].width());
+    assert!(ratios[0] < 1.06 && ratios[1] < 1.001, "{ratios:?}");
+    // While solutions stop one after the other, the levels of all those samples are one interval.
+    let largest = worst(&hulls, 0.05);
+    assert!(largest[0].0 < 1.05 && largest[1].0 < 1.05, "{largest:?}");
+}
+
+/// Eighty seconds with all stops and reversals: the hull at every sample.
+#[test]
+fn dependence_survives_eighty_seconds_of_the_rig() {
+    let list = [0.4, 0.1, -0.3, 0.2, -0.1, -0.5, 0.05, 0.3, -0.2, 0.0];
+    let motor = Motor {
+        params: [(-2.001, -1.999), (199.9, 200.1), (0.149925, 0.150075)],
+        levels: (0..8000).map(|k| list[k / 200 % list.len()]).collect(),
+    };
+    let hulls = motor.hulls(FormOptions::default());
+    let largest = worst(&hulls, 1e-7);
+    assert!(largest[0].0 < 1.01 && largest[1].0 < 1.01, "{largest:?}");
+}
+
+/// A mass on a belt slips, is caught, and is released: 20 seconds.
+#[test]
+fn dependence_survives_stick_and_slip() {
+    let text = "format = 1\nstates = [\"x\", \"v\"]\n[init]\nx = 0\nv = 0\n[params]\nmu = [0.3, 0.35]\n[der]\nx = \"v\"\n\
+        v = \"-x - 0.1*v - friction(v - 0.2, -x - 0.1*v, mu)\"\n[outputs]\nm = \"x +- 1\"\n";
+    let flow = Flow::new(&read("belt", text));
+    let start = [interval(1.0, 1.05), Interval::ZERO];
+    let stretch = Stretch {
+        inputs: vec![],
+        dt: Interval::point(20.0),
+    };
+    let (options, effort) = (FormOptions::default(), Effort::default());
+    let proved = flow.enclose(&start, &[interval(0.3, 0.35)], &[stretch], options, effort);
+    // By closed forms between events, over a grid of 13 x 13 start values and levels.
+    let inner = [
+        interval(0.379_990, 0.446_089),
+        interval(0.020_896_4, 0.058_395_5),
+    ];
+    for (inner, outer) in inner.iter().zip(&proved.ends[0]) {
+        assert!(inner.is_subset_of(*outer), "{inner} {outer}");
+        assert!(outer.width() < 1.02 * inner.width(), "{inner} {outer}");
+    }
+}
+
+/// A ball, dropped from some height at some speed, bounces three times.
+#[test]
+fn dependence_survives_impacts() {
+    let text = "format = 1\nstates = [\"h\", \"v\"]\n[init]\nh = 1\nv = 0\n[der]\nh = \"v\"\nv = \"-9.81\"\n[jumps]\n\
+        bounce = { when = \"h <= 0 and v < 0\", set = { v = \"-0.75*v\" } }\n[outputs]\nm = \"h +- 1\"\n";
+    let flow = Flow::new(&read("ball", text));
+    let start = [interval(0.95, 1.05), interval(-0.05, 0.05)];
+    let stretches = vec![
+        Stretch {
+            inputs: vec![],
+            dt: interval(0.1, 0.1),
+        };
+        17
+    ];
+    let (options, effort) = (FormOptions::default(), Effort::default());
+    let proved = flow.enclose(&start, &[], &stretches, options, effort);
+    assert!(proved.stopped.is_none());
+    let mut inner = vec![[Interval::EMPTY; 2]; stretches.len()];
+    for number in 0..441 {
+        let h = 0.95 + 0.1 * f64::from(number % 21) / 20.0;
+        let v = -0.05 + 0.1 * f64::from(number / 21) / 20.0;
+        for (k, inner) in inner.iter_mut().enumerate() {
+            let (mut h, mut v, mut left) = (h, v, 0.1 * (k + 1) as f64);
+            loop {
+                let lands = (v + (v * v + 2.0 * 9.81 * h).sqrt()) / 9.81;
+                if lands > left {
+                    break;
+                }
+                (h, v, left) = (0.0, -0.75 * (v - 9.81 * lands), left - lands);
+            }
+            let now = [h + v * left - 9.81 / 2.0 * left * left, v - 9.81 * left];
+            for (i, x) in now.into_iter().enumerate() {
+                let bounds = proved.ends[k][i];
+                assert!(bounds.inflate(1e-9).contains(x), "{k} {i}: {x} {bounds}");
+                inner[i] = inner[i].hull(Interval::point(x));
+            }
+        }
+    }
+    for end in &proved.ends {
+        assert!(
+            end[0].lo() > -0.03,
+            "no ball is far below the floor: {}",
+            end[0]
+        );
+    }
+    let ratio = |i: usize| proved.ends[16][i].width() / inner[16][i].width();
+    assert!(ratio(0) < 1.001 && ratio(1) < 1.001);
+}

@@ -285,7 +285,19 @@ impl Journey<'_> {
                 if keeps {
                     signs[surface] = Signs::ZERO;
                 }
-                let regime = flow.resolve(Some(&field), &signs)?;
+                let mut regime = flow.resolve(Some(&field), &signs)?;
+                // Where solutions leave the surface, they stay on that side of it for the window.
+                if keeps
+                    && regime.signs[surface] == Signs::ANY
+                    && let Some(way) = flow.switching.leaves(surface, &field, &signs)
+                {
+                    regime.signs[surface] = way;
+                    regime.watches.push(Watch {
+                        expr: asked.expr,
+                        sign: way,
+                        reason: asked.reason,
+                    });
+                }
                 Some((regime, Some(jump), after))
             }
             Reason::Hold { surface, side } => {
@@ -487,9 +499,8 @@ impl Journey<'_> {
                     (apart, passage),
                 )?;
             }
-            if passage.jump.is_none() {
-                self.clip((acting, &mut early), (next, &mut late));
-            }
+            self.clip(&acting.regime.signs, &mut early);
+            self.clip(&next.regime.signs, &mut late);
             ends.push(match (early.is_empty(), late.is_empty()) {
                 (false, false) => early.iter().zip(&late).map(|(a, b)| a.hull(*b)).collect(),
                 (true, _) => late,
@@ -551,41 +562,27 @@ impl Journey<'_> {
         Some(place.hull(second))
     }
 
-    /// Solutions that have not crossed are on the near side, those that have are not.
-    fn clip(
-        &self,
-        (acting, early): (&Acting, &mut [Interval]),
-        (next, late): (&Acting, &mut [Interval]),
-    ) {
-        for surface in 0..acting.regime.signs.len() {
-            let sides = (acting.regime.signs[surface], next.regime.signs[surface]);
-            if sides.0 == sides.1 {
+    /// Cuts a box of states with what is known of the surfaces.
+    fn clip(&self, signs: &[Signs], states: &mut [Interval]) {
+        if states.is_empty() {
+            return;
+        }
+        for (surface, signs) in signs.iter().enumerate() {
+            if !matches!(*signs, Signs::NEGATIVE | Signs::ZERO | Signs::POSITIVE) {
                 continue;
             }
             let Some((state, value, rising)) = self.flow.level(surface) else {
                 continue;
             };
-            for (signs, states) in [(sides.0, &mut *early), (sides.1, &mut *late)] {
-                let above = if rising {
-                    Signs::POSITIVE
-                } else {
-                    Signs::NEGATIVE
-                };
-                let part = if signs == above {
-                    Interval::new(value.lo(), f64::INFINITY)
-                } else if signs == above.flipped() {
-                    Interval::new(f64::NEG_INFINITY, value.hi())
-                } else if signs == Signs::ZERO {
-                    Some(value)
-                } else {
-                    None
-                };
-                if let (Some(part), false) = (part, states.is_empty()) {
-                    let clipped = states[state].intersect(part);
-                    if !clipped.is_empty() {
-                        states[state] = clipped;
-                    }
-                }
+            let above = if rising { *signs } else { signs.flipped() };
+            let part = match above {
+                Signs::POSITIVE => Interval::new(value.lo(), f64::INFINITY),
+                Signs::NEGATIVE => Interval::new(f64::NEG_INFINITY, value.hi()),
+                _ => Some(value),
+            };
+            let clipped = part.map_or(Interval::EMPTY, |part| states[state].intersect(part));
+            if !clipped.is_empty() {
+                states[state] = clipped;
             }
         }
     }

@@ -515,6 +515,20 @@ impl Switching {
         found
     }
 
+    /// The sign that the rate of change of a surface has in all modes that are possible.
+    pub(super) fn leaves(&self, surface: usize, field: &Field, signs: &[Signs]) -> Option<Signs> {
+        if !self.is_steady(surface, field) {
+            return None;
+        }
+        let terms = field.gradients[surface].iter().map(|&(state, slope)| {
+            let modes = self.possible(self.group_of[state], signs).into_iter();
+            let rates = modes.flat_map(|mode| &field.rates[mode]);
+            let rates = rates.filter(|rate| rate.0 == state);
+            slope * rates.fold(Interval::EMPTY, |hull, rate| hull.hull(rate.1))
+        });
+        Signs::strict(terms.fold(Interval::ZERO, |sum, x| sum + x))
+    }
+
     /// The rate of change of a surface in a mode of a group, and in any possible modes of the others.
     fn drift(
         &self,

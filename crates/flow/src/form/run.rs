@@ -64,8 +64,11 @@ pub struct Enclosure {
 /// Narrow sets need no more than this degree,
 const LOW: usize = 2;
 
-/// if what is no function of the unknowns is this share of what would do.
+/// if what is no function of the unknowns is this share of what would do,
 const SMALL: f64 = 0.1;
+
+/// or this one where switches take some in any case.
+const MODEST: f64 = 0.4;
 
 /// A higher degree is worth it where it makes the excess smaller by this factor.
 const WORTHWHILE: f64 = 0.9;
@@ -178,7 +181,7 @@ impl Flow {
         if options.degree.is_none() && LOW < first {
             let quick = pass(LOW);
             // Higher degrees do not help against what switches take.
-            let share = if self.is_smooth() { SMALL } else { 1.0 };
+            let share = if self.is_smooth() { SMALL } else { MODEST };
             if quick.excess() <= share * effort.excess {
                 return quick;
             }
