@@ -159,7 +159,8 @@ impl Flow {
         let unknowns = self.start(&part.0, &part.1, options).unknowns().len();
         let (first, last) = match options.degree {
             Some(degree) => (degree, degree),
-            None => (usual_degree(unknowns), highest_degree(unknowns)),
+            None if self.is_smooth() => (usual_degree(unknowns), highest_degree(unknowns)),
+            None => (usual_degree(unknowns), usual_degree(unknowns)),
         };
         let with = |degree: usize| FormOptions {
             degree: Some(degree),
