@@ -52,6 +52,20 @@ pub enum Node {
     Binary(Binary, ExprId, ExprId),
     /// An integer power.
     Power(ExprId, i32),
+    /// One of two, by the sign of a test.
+    Choose(Choice),
+}
+
+/// `yes` where the test is positive, `no` where it is negative, both and everything between where it is
+/// zero. What is not taken need not be defined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Choice {
+    /// What is asked.
+    pub test: ExprId,
+    /// The value where the test is positive.
+    pub yes: ExprId,
+    /// The value where the test is negative.
+    pub no: ExprId,
 }
 
 /// All expressions of a model.
@@ -372,6 +386,18 @@ impl Graph {
         }
     }
 
+    /// [`Choice`]
+    pub fn choose(&mut self, test: ExprId, yes: ExprId, no: ExprId) -> ExprId {
+        if yes == no {
+            return yes;
+        }
+        match self.as_constant(test) {
+            Some(test) if test.is_positive() => yes,
+            Some(test) if test.is_negative() => no,
+            _ => self.intern(Node::Choose(Choice { test, yes, no })),
+        }
+    }
+
     /// The nodes that `roots` need, operands first.
     pub fn reachable(&self, roots: &[ExprId]) -> Vec<ExprId> {
         let mut needed = vec![false; self.nodes.len()];
@@ -384,6 +410,7 @@ impl Graph {
                 Node::Constant(_) | Node::Pi | Node::Var(_) => {}
                 Node::Unary(_, a) | Node::Power(a, _) => open.push(a),
                 Node::Binary(_, a, b) => open.extend([a, b]),
+                Node::Choose(Choice { test, yes, no }) => open.extend([test, yes, no]),
             }
         }
         (0..self.nodes.len() as u32)
@@ -429,6 +456,9 @@ impl Graph {
                 Node::Binary(function, a, b) => {
                     let (a, b) = (done[&a], done[&b]);
                     self.binary(function, a, b)
+                }
+                Node::Choose(Choice { test, yes, no }) => {
+                    self.choose(done[&test], done[&yes], done[&no])
                 }
             };
             done.insert(old, new);

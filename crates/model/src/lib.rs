@@ -17,7 +17,7 @@ pub mod units;
 pub use coverage::{Doubt, Overlap, Overlaps};
 pub use diagnostic::{Diagnostic, Diagnostics, SourceText};
 pub use facts::{Facts, ModeFacts};
-pub use graph::{Binary, ExprId, Graph, Level, Names, Node, Unary, Var};
+pub use graph::{Binary, Choice, ExprId, Graph, Level, Names, Node, Unary, Var};
 pub use model::{
     Coverage, ErrorBound, Guard, Input, Jump, Mode, ModeGroup, Model, Output, Param, Relation,
     Reset, Sample, Signal, State,

@@ -65,6 +65,16 @@ impl<M: Lanewise> Regular<M> {
         }
     }
 
+    /// Smooth in the lanes of the mask.
+    #[inline(always)]
+    pub(crate) fn unless(self, mask: M) -> Regular<M> {
+        Regular {
+            undefined: self.undefined & !mask,
+            jump: self.jump & !mask,
+            kink: self.kink & !mask,
+        }
+    }
+
     /// The less regular one.
     #[inline(always)]
     pub(crate) fn and(self, other: Regular<M>) -> Regular<M> {

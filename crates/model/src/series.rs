@@ -7,7 +7,7 @@
 
 use crate::graph::{Binary, ExprId, Graph, Unary, jump};
 use crate::regular::Regular;
-use crate::tape::{Compiler, Instruction, Layout, Op, Tape};
+use crate::tape::{Branches, Compiler, Instruction, Layout, Op, Tape, choose, decided};
 use veribound_interval::lanes::{Arithmetic, Kernel, Lanewise, MaskOf, Value};
 use veribound_interval::{Interval, Regularity, domain};
 
@@ -177,6 +177,8 @@ impl SeriesTape {
     /// Computes coefficient `k` of everything that moves, from the coefficients up to `k` of the
     /// quantities and below `k` of everything else. For use inside a [`Kernel`].
     ///
+    /// A branch of a choice that is not taken counts too: where it is not smooth, neither is the result.
+    ///
     /// Guarantee: with coefficient 0 of the quantities enclosing their values and the others
     /// enclosing their true coefficients, the results enclose the true coefficients wherever the
     /// return value is smooth (as it was for the constants); elsewhere they mean nothing.
@@ -216,7 +218,7 @@ impl Tape {
         let mut regular = Regular::smooth();
         for step in &self.instructions {
             if step.moving == moving {
-                regular = regular.and(step.compute::<A>(k, coefficients));
+                regular = regular.and(step.compute::<A>(k, &self.branches, coefficients));
             }
         }
         regular
@@ -248,6 +250,7 @@ impl Instruction {
     fn compute<A: Arithmetic>(
         &self,
         k: usize,
+        branches: &[Branches],
         c: &mut Coefficients<A::Value>,
     ) -> Regular<MaskOf<A>> {
         let (a, b, out) = (self.a, self.b, self.out);
@@ -332,6 +335,12 @@ impl Instruction {
                 }
             }
             Op::Unary(function) => return self.compute_unary::<A>(function, k, c),
+            Op::Choose(number) => {
+                let no = branches[number as usize].no.0;
+                let (taken, refused) = decided::<A>(c.at(a, 0));
+                regular = Regular::jump(!(taken | refused));
+                choose::<A>((taken, refused), c.at(b, k), c.at(no, k))
+            }
         };
         c.set(out, k, value);
         regular

@@ -12,8 +12,10 @@
 mod compile;
 mod contract;
 mod evaluate;
+mod scopes;
 
 pub(crate) use compile::Compiler;
+pub(crate) use evaluate::{choose, decided};
 
 use crate::graph::{Binary, ExprId, Graph, Unary, Var};
 use crate::regular::Regular;
@@ -62,6 +64,17 @@ pub(crate) enum Op {
     Power(i32),
     /// `a^2`
     Square,
+    /// [`crate::Choice`] with the test `a` and the yes `b`.
+    Choose(u32),
+}
+
+/// What a [`Op::Choose`] has beside its test and its yes.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Branches {
+    /// Register of the no, and the quantity in it, where it is one.
+    pub(crate) no: (u32, u32),
+    /// The scopes of the yes and of the no.
+    pub(crate) scopes: (u32, u32),
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -76,7 +89,9 @@ pub(crate) struct Instruction {
     pub(crate) companion: u32,
     /// Depends on a state, hence changes in time.
     pub(crate) moving: bool,
-    /// The same for each operand.
+    /// The branch of a choice outside of which the result is not used; 0 where there is no such branch.
+    pub(crate) scope: u32,
+    /// The same as `moving` for each operand.
     pub(crate) moving_operands: (bool, bool),
 }
 
@@ -86,6 +101,8 @@ pub struct Tape {
     pub(crate) quantities: Vec<(u32, u32)>,
     pub(crate) constants: Vec<(u32, Interval)>,
     pub(crate) instructions: Vec<Instruction>,
+    /// Of every choice.
+    pub(crate) branches: Vec<Branches>,
     pub(crate) outputs: Vec<u32>,
     /// Outputs that are quantities, as in `quantities`.
     passed: Vec<(u32, u32)>,

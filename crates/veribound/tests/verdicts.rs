@@ -499,3 +499,28 @@ fn memory_does_not_grow_with_the_record() {
         "{short} KiB, then {long} KiB"
     );
 }
+
+/// An output with `if` measures, decides its own branch, and contradicts.
+#[test]
+fn an_output_of_two_branches() {
+    let place = Place::new();
+    let piecewise = CART.replace(
+        "\"x +- 0.1 [m]\"",
+        "\"if x > 0.5 then x else 0 +- 0.1 [m]\"",
+    );
+    assert_ne!(piecewise, CART);
+    let model = place.file("m.toml", piecewise);
+    let ramp = place.file("r.csv", "t,u,pos\n0,0,0\n1,1,1\n2,1,2\n");
+    place.observe(&model, &ramp, &[]).ended(0);
+    let (lo, hi) = *bounds(&place.read("out/states.csv"), "x").last().unwrap();
+    assert!(lo >= 1.8 && hi <= 2.2, "{lo} {hi}");
+    // Between the branches there is nothing away from the border.
+    let between = place.file("b.csv", "t,u,pos\n0,0,0\n1,0,1\n");
+    place.observe(&model, &between, &[]).ended(0);
+    let none = place.file("n.csv", "t,u,pos\n0,0,0.3\n1,0,1\n");
+    place.observe(&model, &none, &[]).ended(1);
+    let flags = [
+        "simulate", &model, "--params", "k=1", "--start", "x=0", "--input", &ramp, "-o", "s.csv",
+    ];
+    place.run(&flags).ended(0);
+}

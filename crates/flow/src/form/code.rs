@@ -221,6 +221,11 @@ impl Builder {
                     },
                 })
             }
+            // What may be one of two has no polynomial; without a value, it makes no claim.
+            Node::Choose(_) => {
+                let zero = self.emit(Op::Constant(Interval::ZERO));
+                self.emit(Op::Recip(zero))
+            }
             Node::Binary(function, a, b) => {
                 let (a, b) = (register_of[&a], register_of[&b]);
                 match function {

@@ -279,6 +279,7 @@ impl Group<'_> {
                     false
                 }
             },
+            Node::Choose(_) => false,
             Node::Binary(function, ..) => match function {
                 Binary::Add | Binary::Sub | Binary::Mul | Binary::Div | Binary::Pow => true,
                 Binary::Min | Binary::Max | Binary::Atan2 | Binary::Atan2Cut => false,

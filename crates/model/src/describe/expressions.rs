@@ -1,6 +1,6 @@
 //! Expressions and guards in the user's names.
 
-use crate::graph::{Binary, ExprId, Names, Node};
+use crate::graph::{Binary, Choice, ExprId, Names, Node};
 use crate::model::{Guard, Model, Relation};
 use std::collections::HashMap;
 
@@ -75,6 +75,10 @@ impl Model {
                 Node::Pi | Node::Var(_) => 1,
                 Node::Unary(_, a) | Node::Power(a, _) => size(a).saturating_add(1),
                 Node::Binary(_, a, b) => size(a).saturating_add(size(b)).saturating_add(1),
+                Node::Choose(Choice { test, yes, no }) => {
+                    let branches = size(yes).saturating_add(size(no));
+                    branches.saturating_add(size(test)).saturating_add(1)
+                }
             };
             sizes.insert(at, total);
         }

@@ -1,6 +1,6 @@
 //! Symbolic derivatives, and what they tell about comparisons.
 
-use super::{Binary, ExprId, Graph, Node, Unary, Var};
+use super::{Binary, Choice, ExprId, Graph, Node, Unary, Var};
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
 use std::collections::HashMap;
@@ -29,7 +29,7 @@ impl Graph {
     /// At kinks of `abs`, `min` and `max` the enclosure of the result is the generalised (Clarke)
     /// derivative, because `sign` is the set `[-1, 1]` at zero. `sign` itself jumps: the enclosure of its
     /// derivative is 0 on boxes on which it cannot change, and everything on the others
-    /// ([`Unary::Impulse`]); the same holds for `floor` and `atan2`. So derivatives may be taken of derivatives.
+    /// ([`Unary::Impulse`]); the same holds for `floor`, `atan2` and choices. So derivatives may be taken of derivatives.
     ///
     /// Guarantee: where `e` is defined on the whole segment between two points of a box that differ in
     /// `var` alone, the enclosure of the result on the box contains the difference quotient of `e`. An empty
@@ -57,6 +57,13 @@ impl Graph {
                 Node::Unary(function, a) => self.unary_derivative(function, a, at, done[&a]),
                 Node::Binary(function, a, b) => {
                     self.binary_derivative(function, a, b, done[&a], done[&b])
+                }
+                Node::Choose(Choice { test, yes, no }) => {
+                    // Where the test can change its sign the value may jump.
+                    let smooth = self.choose(test, done[&yes], done[&no]);
+                    let impulse = self.unary(Unary::Impulse, test);
+                    let jump = self.mul(impulse, done[&test]);
+                    self.add(smooth, jump)
                 }
             };
             done.insert(at, slope);

@@ -1,6 +1,6 @@
 //! Functions of two arguments by functions of one.
 
-use super::{Binary, ExprId, Graph, Node, Unary};
+use super::{Binary, Choice, ExprId, Graph, Node, Unary};
 use std::collections::HashMap;
 
 #[allow(
@@ -47,6 +47,9 @@ impl Graph {
                 Node::Binary(function, a, b) => {
                     let (a, b) = (done[&a], done[&b]);
                     self.binary(function, a, b)
+                }
+                Node::Choose(Choice { test, yes, no }) => {
+                    self.choose(done[&test], done[&yes], done[&no])
                 }
             };
             done.insert(old, new);

@@ -1,6 +1,6 @@
 //! Ranges of expressions, straight from the graph.
 
-use super::{ExprId, Graph, Node, Var};
+use super::{Choice, ExprId, Graph, Node, Var};
 use std::collections::HashMap;
 use veribound_interval::lanes::{Arithmetic, Kernel, Value};
 use veribound_interval::{Interval, rational_to_interval};
@@ -41,6 +41,16 @@ impl Kernel<Interval> for Range<'_> {
                 Node::Unary(function, a) => function.apply::<A>(&done[&a]),
                 Node::Binary(function, a, b) => function.apply::<A>(&done[&a], &done[&b]),
                 Node::Power(a, n) => done[&a].powi(n),
+                Node::Choose(Choice { test, yes, no }) => {
+                    let (test, yes, no) = (done[&test], done[&yes], done[&no]);
+                    if test.lo() > 0.0 {
+                        yes
+                    } else if test.hi() < 0.0 {
+                        no
+                    } else {
+                        yes.hull(no)
+                    }
+                }
             };
             done.insert(at, result);
         }

@@ -1,6 +1,6 @@
 //! Expressions in the user's words.
 
-use super::{Binary, ExprId, Graph, Node, Unary, Var};
+use super::{Binary, Choice, ExprId, Graph, Node, Unary, Var};
 use num_rational::BigRational;
 use num_traits::Signed;
 
@@ -71,11 +71,53 @@ impl Graph {
                 let right = self.show_inside(*b, names, right);
                 (format!("{left}{symbol}{right}"), strength)
             }
+            Node::Choose(Choice { test, yes, no }) => (
+                format!(
+                    "if {} then {} else {}",
+                    self.show_test(*test, names),
+                    self.show_inside(*yes, names, 0),
+                    self.show_inside(*no, names, 0)
+                ),
+                0,
+            ),
         };
         if strength < outer {
             format!("({text})")
         } else {
             text
+        }
+    }
+
+    /// The condition that a test is positive; a smaller one is positive if both are.
+    fn show_test(&self, test: ExprId, names: &Names) -> String {
+        let compare = |a: ExprId, relation: &str, b: ExprId| {
+            let (a, b) = (self.show_inside(a, names, 1), self.show_inside(b, names, 1));
+            format!("{a} {relation} {b}")
+        };
+        match *self.node(test) {
+            Node::Binary(which @ (Binary::Min | Binary::Max), a, b) => {
+                let part = |e: ExprId| match self.node(e) {
+                    Node::Binary(other @ (Binary::Min | Binary::Max), ..) if *other != which => {
+                        format!("({})", self.show_test(e, names))
+                    }
+                    _ => self.show_test(e, names),
+                };
+                let word = if which == Binary::Min { "and" } else { "or" };
+                format!("{} {word} {}", part(a), part(b))
+            }
+            Node::Binary(Binary::Sub, a, b) => compare(a, ">", b),
+            Node::Unary(Unary::Abs, a) => match *self.node(a) {
+                Node::Binary(Binary::Sub, a, b) => compare(a, "!=", b),
+                _ => format!("{} != 0", self.show_inside(a, names, 1)),
+            },
+            Node::Unary(Unary::Neg, a) => match *self.node(a) {
+                Node::Unary(Unary::Abs, a) => match *self.node(a) {
+                    Node::Binary(Binary::Sub, a, b) => compare(a, "==", b),
+                    _ => format!("{} == 0", self.show_inside(a, names, 1)),
+                },
+                _ => format!("{} < 0", self.show_inside(a, names, 1)),
+            },
+            _ => format!("{} > 0", self.show_inside(test, names, 1)),
         }
     }
 }

@@ -4,8 +4,8 @@
     reason = "PROOF: `reachable` lists operands before what uses them, so each has a register"
 )]
 
-use super::{Instruction, Layout, NO_REGISTER, Op, Tape};
-use crate::graph::{Binary, ExprId, Graph, Node, Unary, Var};
+use super::{Branches, Instruction, Layout, NO_REGISTER, Op, Tape};
+use crate::graph::{Binary, Choice, ExprId, Graph, Node, Unary, Var};
 use std::collections::HashMap;
 use veribound_interval::{Interval, rational_to_interval};
 
@@ -36,7 +36,10 @@ impl Compiler<'_> {
             self.moving[a as usize],
             b != NO_REGISTER && self.moving[b as usize],
         );
-        let moving = moving_operands.0 || moving_operands.1;
+        let mut moving = moving_operands.0 || moving_operands.1;
+        if let Op::Choose(number) = op {
+            moving |= self.moving[self.tape.branches[number as usize].no.0 as usize];
+        }
         let out = self.register(moving);
         let needs_companion = matches!(
             op,
@@ -63,6 +66,7 @@ impl Compiler<'_> {
             from: (self.quantity_in(a), self.quantity_in(b)),
             companion,
             moving,
+            scope: 0,
             moving_operands,
         });
         out
@@ -176,6 +180,19 @@ impl Compiler<'_> {
                 let a = self.register_of[&a];
                 self.power(a, n)
             }
+            Node::Choose(Choice { test, yes, no }) => {
+                let (test, yes, no) = (
+                    self.register_of[&test],
+                    self.register_of[&yes],
+                    self.register_of[&no],
+                );
+                let number = self.tape.branches.len() as u32;
+                self.tape.branches.push(Branches {
+                    no: (no, self.quantity_in(no)),
+                    scopes: (2 * number + 1, 2 * number + 2),
+                });
+                self.emit(Op::Choose(number), test, yes)
+            }
         };
         self.register_of.insert(e, register);
     }
@@ -185,6 +202,7 @@ impl Compiler<'_> {
             quantities: Vec::new(),
             constants: Vec::new(),
             instructions: Vec::new(),
+            branches: Vec::new(),
             outputs: Vec::new(),
             passed: Vec::new(),
             register_count: 0,
@@ -208,6 +226,7 @@ impl Compiler<'_> {
             .filter(|(register, _)| outputs.contains(register))
             .collect();
         tape.outputs = outputs;
+        tape.set_scopes();
         tape
     }
 }

@@ -1,10 +1,10 @@
 //! The way back: from a condition on a result to the operands.
 #![allow(clippy::indexing_slicing, reason = "PROOF: registers as in `tape`")]
 
-use super::{Op, Tape};
+use super::{Op, Tape, decided};
 use crate::graph::{Binary, Unary, jump};
 use veribound_interval::Interval;
-use veribound_interval::lanes::{Arithmetic, Kernel, Lanewise, Value};
+use veribound_interval::lanes::{Arithmetic, Kernel, Lanewise, MaskOf, Value};
 
 pub(super) struct PropagateBack<'a, V> {
     pub(super) tape: &'a Tape,
@@ -21,13 +21,47 @@ impl<V: Value> Kernel<V> for PropagateBack<'_, V> {
         let root = self.tape.outputs[0] as usize;
         registers[root] = A::intersect(&registers[root], &V::splat(self.target));
         let mut possible = !A::is_empty(&registers[root]);
+        // Where the branches of choices are taken for sure.
+        let mut taken = vec![V::Mask::splat(false); self.tape.scopes()];
         for step in self.tape.instructions.iter().rev() {
             if !possible.any() {
                 break;
             }
+            let counts = match step.scope {
+                0 => V::Mask::splat(true),
+                scope => taken[scope as usize - 1],
+            };
+            if !counts.any() {
+                continue;
+            }
             let out = registers[step.out as usize];
             let a = registers[step.a as usize];
-            let a = match step.op {
+            let narrowed = match step.op {
+                Op::Choose(number) => {
+                    let branches = &self.tape.branches[number as usize];
+                    let (yes, no) = (step.b as usize, branches.no.0 as usize);
+                    let (certain, refused) = decided::<A>(&a);
+                    let sides = [(yes, no, certain, refused), (no, yes, refused, certain)];
+                    for (side, scope) in sides
+                        .into_iter()
+                        .zip([branches.scopes.0, branches.scopes.1])
+                    {
+                        let (own, other, is_taken, is_not) = side;
+                        let other = registers[other];
+                        // The other one has none of the values: what is left has the test at zero, or this one.
+                        let alone = A::is_empty(&A::intersect(&other, &out)) & !is_taken & !is_not;
+                        let at_most = A::map3(&registers[own], &other, &out, beside);
+                        let exact = A::intersect(&registers[own], &out);
+                        let narrow = A::select(is_taken, &exact, &at_most);
+                        let counts = counts & (is_taken | alone);
+                        possible = possible & !(counts & A::is_empty(&narrow));
+                        registers[own] = A::select(counts, &narrow, &registers[own]);
+                        taken[scope as usize - 1] = counts;
+                    }
+                    // One of the branches may be the test itself.
+                    let test = registers[step.a as usize];
+                    choice_reverse::<A>(&out, &test, (&registers[yes], &registers[no]))
+                }
                 Op::Binary(function) => {
                     let b = registers[step.b as usize];
                     let (a, b) = binary_reverse::<A>(function, &out, &a, &b);
@@ -37,19 +71,66 @@ impl<V: Value> Kernel<V> for PropagateBack<'_, V> {
                     } else {
                         b
                     };
-                    possible = possible & !A::is_empty(&b);
-                    registers[step.b as usize] = b;
+                    possible = possible & !(counts & A::is_empty(&b));
+                    keep::<A>(step.scope, counts, &b, &mut registers[step.b as usize]);
                     if step.a == step.b { b } else { a }
                 }
                 Op::Unary(function) => unary_reverse::<A>(function, &out, &a),
                 Op::Square => A::map2(&out, &a, Interval::sqr_rev),
                 Op::Power(n) => A::map2(&out, &a, |out, a| Interval::powi_rev(n, out, a)),
             };
-            possible = possible & !A::is_empty(&a);
-            registers[step.a as usize] = a;
+            possible = possible & !(counts & A::is_empty(&narrowed));
+            keep::<A>(
+                step.scope,
+                counts,
+                &narrowed,
+                &mut registers[step.a as usize],
+            );
         }
         possible
     }
+}
+
+/// Puts a narrowed operand in its place, in a branch of a choice only where that is taken.
+#[inline(always)]
+fn keep<A: Arithmetic>(scope: u32, counts: MaskOf<A>, narrowed: &A::Value, place: &mut A::Value) {
+    *place = if scope == 0 {
+        *narrowed
+    } else {
+        A::select(counts, narrowed, place)
+    };
+}
+
+/// The values of a branch for which a choice can have one of the values `out` where the other branch has none of
+/// them, and the test is not of the sign of the other one: the branch's own, or at zero, what lies between.
+fn beside(own: Interval, other: Interval, out: Interval) -> Interval {
+    let reach = if other.is_empty() {
+        Some(out)
+    } else if other.hi() < out.lo() {
+        Interval::new(out.lo(), f64::INFINITY)
+    } else {
+        Interval::new(f64::NEG_INFINITY, out.hi())
+    };
+    own.intersect(reach.unwrap_or(Interval::ENTIRE))
+}
+
+/// Tests of a choice for which it can have one of the values `out`: a branch that has none of them is not taken.
+/// At zero everything between the branches is a value.
+#[inline(always)]
+fn choice_reverse<A: Arithmetic>(
+    out: &A::Value,
+    test: &A::Value,
+    (yes, no): (&A::Value, &A::Value),
+) -> A::Value {
+    let half = |lo, hi| A::Value::splat(Interval::new(lo, hi).unwrap_or(Interval::ENTIRE));
+    let (certain, refused) = decided::<A>(test);
+    let without_yes = A::intersect(test, &half(f64::NEG_INFINITY, 0.0));
+    let without_no = A::intersect(test, &half(0.0, f64::INFINITY));
+    let yes = certain | !A::is_empty(&A::intersect(yes, out));
+    let no = refused | !A::is_empty(&A::intersect(no, out));
+    let test = A::select(yes | refused, test, &without_yes);
+    let without_both = A::intersect(&test, &without_no);
+    A::select(no | certain, &test, &without_both)
 }
 
 #[inline(always)]

@@ -23,6 +23,8 @@ impl<V: Value> Kernel<V> for Evaluate<'_, V> {
     #[inline(always)]
     fn run<A: Arithmetic<Value = V>>(self) -> Regular<V::Mask> {
         let mut regular = Regular::smooth();
+        // What the branches of choices say of themselves.
+        let mut inside = vec![Regular::smooth(); self.tape.scopes()];
         for step in &self.tape.instructions {
             // Operands come before what uses them.
             let (before, rest) = self.registers.split_at_mut(step.out as usize);
@@ -36,13 +38,50 @@ impl<V: Value> Kernel<V> for Evaluate<'_, V> {
             };
             let a = operand(step.a, step.from.0);
             let b = match step.op {
-                Op::Binary(_) => operand(step.b, step.from.1),
+                Op::Binary(_) | Op::Choose(_) => operand(step.b, step.from.1),
                 _ => a,
             };
-            regular = regular.and(step.op.evaluate::<A>(a, b, out));
+            let own = if let Op::Choose(number) = step.op {
+                let branches = &self.tape.branches[number as usize];
+                let no = operand(branches.no.0, branches.no.1);
+                let (taken, refused) = decided::<A>(a);
+                *out = choose::<A>((taken, refused), b, no);
+                let jump = Regular::jump(!(taken | refused));
+                let yes = inside[branches.scopes.0 as usize - 1].unless(refused);
+                let no = inside[branches.scopes.1 as usize - 1].unless(taken);
+                jump.and(Regular::undefined(A::is_empty(a)))
+                    .and(yes)
+                    .and(no)
+            } else {
+                step.op.evaluate::<A>(a, b, out)
+            };
+            if step.scope == 0 {
+                regular = regular.and(own);
+            } else {
+                let inside = &mut inside[step.scope as usize - 1];
+                *inside = inside.and(own);
+            }
         }
         regular
     }
+}
+
+/// Where the test of a choice is positive, and where it is negative; neither where a smaller box could decide it
+/// otherwise.
+#[inline(always)]
+pub(crate) fn decided<A: Arithmetic>(test: &A::Value) -> (MaskOf<A>, MaskOf<A>) {
+    (A::is_positive(test), A::is_positive(&A::neg(test)))
+}
+
+/// The value of a choice with such a test.
+#[inline(always)]
+pub(crate) fn choose<A: Arithmetic>(
+    (taken, refused): (MaskOf<A>, MaskOf<A>),
+    yes: &A::Value,
+    no: &A::Value,
+) -> A::Value {
+    let other = A::select(refused, no, &A::hull(yes, no));
+    A::select(taken, yes, &other)
 }
 
 #[inline(always)]
@@ -121,6 +160,8 @@ impl Op {
                 *out = function.apply::<A>(a);
             }
             Op::Square => *out = A::sqr(a),
+            // Made with its branches, where they are known.
+            Op::Choose(_) => {}
             Op::Power(n) => {
                 if n < 0 {
                     regular = Regular::undefined(A::contains_zero(a));

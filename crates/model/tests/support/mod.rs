@@ -1,4 +1,5 @@
 //! What several tests need.
+#![allow(dead_code)]
 
 /// Numbers without pattern, the same in every run.
 pub struct Dice(pub u64);

@@ -2,7 +2,7 @@
 
 use super::Lowering;
 use crate::graph::{ExprId, Unary, Var};
-use crate::model::Guard;
+use crate::model::{Guard, Relation};
 use crate::syntax::Problem;
 use crate::syntax::ast::Ast;
 
@@ -25,15 +25,6 @@ pub(crate) enum Switch {
 }
 
 impl Switch {
-    /// What the user wrote.
-    pub fn word(self) -> &'static str {
-        match self {
-            Switch::Sign(_) => "sign",
-            Switch::Friction { .. } => "friction",
-            Switch::Choice { .. } => "if",
-        }
-    }
-
     fn operands(self) -> Vec<ExprId> {
         match self {
             Switch::Sign(a) => vec![a],
@@ -78,11 +69,11 @@ impl Lowering<'_> {
             .collect()
     }
 
-    /// `e` with `sign` placeholders as the plain set-valued function, for places that are no
+    /// `e` with `sign` and `if` placeholders as plain set-valued functions, for places that are no
     /// right-hand side.
     ///
     /// # Errors
-    /// `friction` and `if`, which mean something only in a right-hand side.
+    /// `friction`, which means something only in a right-hand side.
     pub(super) fn without_switches(
         &mut self,
         e: ExprId,
@@ -96,23 +87,59 @@ impl Lowering<'_> {
         let mut values: Vec<(Var, ExprId)> = Vec::new();
         for index in used {
             let switch = self.switches.get(index).copied();
-            let Some(Switch::Sign(argument)) = switch else {
-                let word = switch.map_or("friction", Switch::word);
-                problems.push(Problem::new(
-                    "E0219",
-                    format!("`{word}` can stand only in a right-hand side"),
-                    ast.range.clone(),
-                    format!("contains `{word}`"),
-                    format!("use `{word}` in [der] or in `der` of a mode only"),
-                ));
-                return None;
-            };
             // Arguments were built before their switch, so their placeholders are replaced already.
-            let argument = self.replaced(argument, &values);
-            let value = self.graph.unary(Unary::Sign, argument);
+            let value = match switch {
+                Some(Switch::Sign(argument)) => {
+                    let argument = self.replaced(argument, &values);
+                    self.graph.unary(Unary::Sign, argument)
+                }
+                Some(Switch::Choice { condition, yes, no }) => {
+                    let (yes, no) = (self.replaced(yes, &values), self.replaced(no, &values));
+                    let condition = self.conditions.get(condition).cloned();
+                    let test = self.test(&condition.unwrap_or(Guard::Always));
+                    self.graph.choose(test, yes, no)
+                }
+                Some(Switch::Friction { .. }) | None => {
+                    problems.push(Problem::new(
+                        "E0219",
+                        "`friction` can stand only in a right-hand side",
+                        ast.range.clone(),
+                        "contains `friction`",
+                        "use `friction` in [der] or in `der` of a mode only",
+                    ));
+                    return None;
+                }
+            };
             values.push((self.placeholder(index), value));
         }
         Some(self.replaced(e, &values))
+    }
+
+    /// An expression that is positive inside of where `guard` holds, negative inside of where it does not, and
+    /// zero on the border; an equality is zero where it holds.
+    fn test(&mut self, guard: &Guard) -> ExprId {
+        match guard {
+            Guard::Always => self.graph.integer(1),
+            Guard::Atom { expr, relation } => match relation {
+                Relation::Greater | Relation::GreaterEqual => *expr,
+                Relation::Less | Relation::LessEqual => self.graph.neg(*expr),
+                Relation::NotEqual => self.graph.unary(Unary::Abs, *expr),
+                Relation::Equal => {
+                    let size = self.graph.unary(Unary::Abs, *expr);
+                    self.graph.neg(size)
+                }
+            },
+            Guard::All(parts) => {
+                let tests: Vec<ExprId> = parts.iter().map(|part| self.test(part)).collect();
+                let least = tests.into_iter().reduce(|a, b| self.graph.min(a, b));
+                least.unwrap_or_else(|| self.graph.integer(1))
+            }
+            Guard::Any(parts) => {
+                let tests: Vec<ExprId> = parts.iter().map(|part| self.test(part)).collect();
+                let largest = tests.into_iter().reduce(|a, b| self.graph.max(a, b));
+                largest.unwrap_or_else(|| self.graph.integer(-1))
+            }
+        }
     }
 
     /// `e` if it holds no set-valued function: whether a guard holds must be one clear question.
