@@ -116,6 +116,10 @@ impl Graph {
                     let (a, b) = (done[&a], done[&b]);
                     self.binary(function, a, b)
                 }
+                // At zero both are possible, so a side that may be zero does not decide it.
+                Node::Choose(Choice { test, yes, no }) => {
+                    self.choose(done[&test], done[&yes], done[&no])
+                }
             };
             done.insert(old, new);
         }
