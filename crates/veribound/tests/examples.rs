@@ -22,8 +22,9 @@ type Case = (
     &'static [(&'static str, f64, f64)],
 );
 
-const CASES: [Case; 11] = [
+const CASES: [Case; 12] = [
     ("bouncing-ball", "3", &[("e", 0.75, 0.3), ("g", 9.81, 0.4)]),
+    ("chain", "0.9", &[("k", 100.0, 1.0), ("T", 2.0, 0.6)]),
     ("valve", "6", &[("c", 60.0, 1.0), ("Fc", 1.5, 0.7)]),
     (
         "two-tanks",
@@ -142,6 +143,22 @@ fn the_tissue_alone_tells_the_observer_nothing() {
             assert!(lo <= value && value <= hi, "{param} is lost");
         }
     }
+}
+
+/// The record of fifty masses is that of fewer, as long as those that move are among them.
+#[test]
+fn a_chain_that_is_too_short_is_refuted() {
+    let place = Place::new();
+    let whole = fs::read_to_string(file("chain", "model.toml")).unwrap();
+    let record = file("chain", "record.csv");
+    for (n, code) in [("2", 1), ("5", 0)] {
+        let shorter = whole.replace("n = 50", &format!("n = {n}"));
+        assert_ne!(shorter, whole);
+        let model = place.file("m.toml", shorter);
+        place.observe(&model, &record, &[]).ended(code);
+    }
+    let (lo, hi) = *bounds(&place.read("out/params.csv"), "T").last().unwrap();
+    assert!(lo <= 2.0 && 2.0 <= hi && hi - lo < 1.1, "{lo} {hi}");
 }
 
 /// The records can be made again, to the byte, by the command that their first line tells. Those with more
