@@ -185,3 +185,34 @@ impl Flow {
         Some((level.state, level.value, level.rising))
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::panic, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+
+    /// Where it is decided which piece of a table acts, nothing of the others is computed.
+    #[test]
+    fn a_decided_table_is_short() {
+        let points: Vec<String> = (0..20).map(|k| format!("{k}, {}", k * k)).collect();
+        let text = format!(
+            "format = 1\nstates = [\"x\"]\n[init]\nx = 0\n[der]\nx = \"table(x, {})\"\n[outputs]\nm = \"x +- 1\"\n",
+            points.join(", ")
+        );
+        let model = Model::from_text("table", &text);
+        let model = model.unwrap_or_else(|problems| panic!("{}", problems.render(false)));
+        let flow = Flow::new(&model);
+        let size = |lo: f64, hi: f64| {
+            let x = Interval::new(lo, hi).unwrap_or(Interval::ENTIRE);
+            let field = flow.switching.field(&[x]);
+            let regime = flow.resolve(field.as_ref(), &[]);
+            let regime = regime.unwrap_or_else(|| panic!("one right-hand side"));
+            flow.piece(&regime).code.instructions.len()
+        };
+        let (decided, one_kink, open) = (size(4.2, 4.8), size(4.8, 5.1), size(0.0, 19.0));
+        assert!(
+            10 * decided < open && 5 * one_kink < open,
+            "{decided} {one_kink} {open}"
+        );
+    }
+}
