@@ -445,3 +445,85 @@ fn dependence_survives_impacts() {
     let ratio = |i: usize| proved.ends[16][i].width() / inner[16][i].width();
     assert!(ratio(0) < 1.001 && ratio(1) < 1.001);
 }
+
+fn stretch(inputs: &[f64], dt: Interval) -> Stretch {
+    Stretch {
+        inputs: inputs.iter().map(|u| Interval::point(*u)).collect(),
+        dt,
+    }
+}
+
+/// What is held at the value of an input is let go when the input takes another one, also within the window of
+/// a release.
+#[test]
+fn what_an_input_holds_is_let_go_when_it_jumps() {
+    let text = r#"
+format = 1
+states = ["x", "s"]
+inputs = ["u"]
+init = { x = 0, s = 0 }
+outputs = { y = "x +- 0.01" }
+der = { x = "s - sign(x - u)", s = "1" }
+"#;
+    let flow = Flow::new(&read("held by an input", text));
+    let h = 0.0625;
+    let stretches: Vec<Stretch> = [0.0, 0.5]
+        .map(|u| stretch(&[u], Interval::point(h)))
+        .to_vec();
+    for from in [interval(0.0, 0.01), interval(0.9, 0.96)] {
+        let start = [Interval::ZERO, from];
+        let (chosen, effort) = (FormOptions::default(), Effort::default());
+        let found = flow.enclose(&start, &[], &stretches, chosen, effort);
+        for s in [from.lo(), from.mid(), from.hi()] {
+            let slid = (s + h - 1.0).max(0.0);
+            let x = 0.5 * slid * slid + (s + 1.0) * h + 1.5 * h * h;
+            for end in found.ends.iter().skip(1) {
+                assert!(
+                    end[0].inflate(1e-12).contains(x),
+                    "{x} from {s}: {:?}",
+                    end[0]
+                );
+            }
+        }
+        assert!(found.stopped.is_none(), "{:?}", found.stopped);
+    }
+}
+
+/// A sample whose time is not known, within the window of a crossing.
+#[test]
+fn a_sample_at_any_time_of_a_crossing() {
+    let text = r#"
+format = 1
+states = ["x", "y"]
+init = { x = 0, y = 0 }
+outputs = { y_m = "x +- 0.01" }
+der = { x = "1", y = "3 + 2*sign(x)" }
+"#;
+    let flow = Flow::new(&read("a switch in time", text));
+    for width in [1e-6, 0.001, 0.01, 0.02] {
+        let stretches = vec![stretch(&[], interval(0.1 - width, 0.1 + width)); 4];
+        let start = [interval(-0.1025, -0.0975), Interval::ZERO];
+        for degree in [1, 2] {
+            let chosen = FormOptions {
+                degree: Some(degree),
+                ..FormOptions::default()
+            };
+            let found = flow.enclose(&start, &[], &stretches, chosen, Effort::default());
+            assert!(found.stopped.is_none(), "{:?}", found.stopped);
+            for (x, time) in [
+                (start[0].lo(), 0.1 - width),
+                (start[0].hi(), 0.1 - width),
+                (start[0].lo(), 0.1 + width),
+                (start[0].hi(), 0.1 + width),
+            ] {
+                for (k, end) in found.ends.iter().enumerate() {
+                    let time = time * (k + 1) as f64;
+                    let now = x + time;
+                    let y = time.min(-x) + 5.0 * (now.max(0.0));
+                    assert!(end[0].inflate(1e-12).contains(now), "{now}: {:?}", end[0]);
+                    assert!(end[1].inflate(1e-12).contains(y), "{y}: {:?}", end[1]);
+                }
+            }
+        }
+    }
+}

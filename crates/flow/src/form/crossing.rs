@@ -82,7 +82,7 @@ impl Journey<'_> {
         let probe = acting.piece.probes[watch].clone();
         let seconds = root + (0.5 + spare) * spread;
         let (inputs, seconds) = self.window(seconds, root + 0.5 * spread)?;
-        if !acting.steady(&inputs)[watch] {
+        if !acting.steady(&inputs)[watch] || !acting.holds_on(&inputs) {
             return None;
         }
         let begin = &self.form;
@@ -204,7 +204,7 @@ impl Journey<'_> {
             .states
             .iter()
             .zip(deviation)
-            .map(|(polynomial, d)| around(polynomial) + *d)
+            .map(|(polynomial, d)| around(polynomial) + d.hull(Interval::ZERO))
             .collect();
         let mut reach: Vec<f64> = vec![0.0; on_it.len()];
         for _ in 0..4 {
@@ -215,7 +215,8 @@ impl Journey<'_> {
             let (regime, jump, after) = self.next_regime(acting, asked, &field, (&near, inputs))?;
             let piece = flow.piece(&regime);
             let after = inflated(&after, &reach);
-            let (rates, _) = piece.on_box(&self.quantities(&after, inputs))?;
+            let quantities = self.quantities(&after, inputs);
+            let (rates, _) = piece.on_box(&quantities)?;
             let wider: Vec<f64> = before
                 .iter()
                 .zip(&rates)
@@ -223,6 +224,10 @@ impl Journey<'_> {
                 .collect();
             // Both solutions stay in the box between the two times.
             if wider.iter().zip(&reach).all(|(w, r)| *w <= 1.1 * r) {
+                let watched = piece.watched_on_box(&quantities)?;
+                if !self.keeps_to(&regime, asked, &watched, inputs) {
+                    return None;
+                }
                 return Some(Passage {
                     regime,
                     jump,
@@ -233,6 +238,25 @@ impl Journey<'_> {
             reach = wider.iter().map(|w| 1.2 * w).collect();
         }
         None
+    }
+
+    /// Whether a regime lasts from the crossing to the time computed for it, where what it watches has these
+    /// values and rates.
+    fn keeps_to(
+        &self,
+        regime: &Regime,
+        asked: Watch,
+        watched: &[[Interval; 2]],
+        inputs: &[Interval],
+    ) -> bool {
+        let mut watches = regime.watches.iter().zip(watched);
+        watches.all(|(own, [value, rate])| {
+            let is_exact = |input: usize| inputs[input].is_point();
+            let is_steady = || self.flow.inputs_of(own.expr).into_iter().all(is_exact);
+            follows(asked, *own)
+                || Signs::strict(*value) == Some(own.sign)
+                || (Signs::strict(*rate) == Some(own.sign) && is_steady())
+        })
     }
 
     /// The regime on the other side, with the jump that leads there and the box it starts from.
@@ -385,8 +409,10 @@ impl Journey<'_> {
                 }
             }
         }
-        self.hold(&passage.regime, &mut form.states, &mut map, &mut more);
-        form.transport(&map, &vec![0.0; n], &more);
+        let mut lows = vec![0.0; n];
+        let polynomials = (&mut form.states[..], &mut lows[..]);
+        self.hold(&passage.regime, polynomials, &mut map, &mut more);
+        form.transport(&map, &lows, &more);
         Some(form)
     }
 
@@ -407,12 +433,7 @@ impl Journey<'_> {
         let span = prepared.bounds.span;
         for (watch, own) in next.regime.watches.iter().enumerate() {
             let place = (&next.scratch, &**monomials);
-            let is_safe = if let (Reason::Hold { surface, side }, Reason::Side { surface: other }) =
-                (asked.reason, own.reason)
-                && surface == other
-                && own.sign == side
-            {
-                // It follows from what was watched going on to grow.
+            let is_safe = if follows(asked, *own) {
                 true
             } else if own.reason == asked.reason && own.expr == asked.expr {
                 let rate = next.piece.probes[watch].rate;
@@ -469,8 +490,18 @@ impl Journey<'_> {
         (scaled, moved, apart): (&[f64], Interval, f64),
         passage: &Passage,
     ) -> Option<()> {
-        let during = arrival.during.iter().zip(&landing.form.tube);
-        let tube: Vec<Interval> = during.map(|(a, b)| a.hull(*b)).collect();
+        // The second step begins at the time computed, which may be `apart` after the crossing.
+        let early = passage
+            .rates
+            .iter()
+            .map(|rate| raised(apart * rate.mag(), 1));
+        let after_it = landing.form.tube.iter().zip(early);
+        let tube: Vec<Interval> = arrival
+            .during
+            .iter()
+            .zip(after_it)
+            .map(|(before, (after, early))| before.hull(after.inflate(early)))
+            .collect();
         let unit = prepared.unit;
         let times = around(scaled) * Interval::point(unit);
         let (mut current, mut left, mut since) = (self.current, self.left, Interval::ZERO);
@@ -484,7 +515,9 @@ impl Journey<'_> {
             }
             let mut early = Vec::new();
             if since.lo() <= times.hi() + apart {
-                let end = Piece::last(since, unit);
+                // Nobody is on this side after the last crossing.
+                let last = since.hi().min(raised(times.hi() + apart, 1));
+                let end = Piece::last(Interval::new(since.lo(), last)?, unit);
                 let place = acting
                     .piece
                     .arrival(&self.form, &acting.scratch, prepared, &end);
@@ -515,13 +548,14 @@ impl Journey<'_> {
         }
         self.ends.extend(ends);
         self.tubes.extend(tubes);
-        let elapsed = self.form.elapsed + moved;
+        let begin = self.form.elapsed;
         let begun = current != self.current;
         self.form = landing.form;
-        self.form.elapsed = elapsed;
+        self.form.elapsed = begin + since;
         if begun {
             self.enter(current);
         }
+        self.form.elapsed = begin + moved;
         self.form.tube = tube_now;
         self.form.signs.clone_from(&landing.regime.signs);
         self.left = left - (moved - since);
@@ -675,6 +709,15 @@ impl Arrival {
         list.map(|(polynomial, d)| range(&before.monomials, polynomial) + d)
             .collect()
     }
+}
+
+/// Whether a watch follows from what was watched before going on to grow: a surface that is left.
+fn follows(asked: Watch, own: Watch) -> bool {
+    matches!(
+        (asked.reason, own.reason),
+        (Reason::Hold { surface, side }, Reason::Side { surface: other })
+            if surface == other && own.sign == side
+    )
 }
 
 fn inflated(x: &[Interval], by: &[f64]) -> Vec<Interval> {

@@ -36,13 +36,18 @@ pub(super) struct Acting {
     pub(super) scratch: Scratch,
     /// Inputs that the watches depend on.
     inputs: Vec<Vec<usize>>,
+    /// Inputs that what is held depends on.
+    held: Vec<usize>,
 }
 
 impl Acting {
     pub(super) fn new(flow: &Flow, regime: Regime, form: &Form) -> Acting {
         let piece = flow.piece(&regime);
         let watches = regime.watches.iter();
+        let surfaces = flow.switching.surfaces.list.iter().zip(&regime.signs);
+        let held = surfaces.filter(|(_, signs)| **signs == Signs::ZERO);
         Acting {
+            held: held.flat_map(|(s, _)| s.inputs.iter().copied()).collect(),
             inputs: watches.map(|watch| flow.inputs_of(watch.expr)).collect(),
             scratch: Scratch::new(&piece, form),
             regime,
@@ -54,6 +59,16 @@ impl Acting {
     pub(super) fn steady(&self, inputs: &[Interval]) -> Vec<bool> {
         let exact = |list: &Vec<usize>| list.iter().all(|input| inputs[*input].is_point());
         self.inputs.iter().map(exact).collect()
+    }
+
+    /// Whether what is held stays where it is: a surface that an input moves lets go.
+    pub(super) fn holds_on(&self, inputs: &[Interval]) -> bool {
+        self.held.iter().all(|input| inputs[*input].is_point())
+    }
+
+    /// Whether it may end with the next values of the inputs.
+    fn depends_on_inputs(&self) -> bool {
+        !self.held.is_empty() || self.inputs.iter().any(|inputs| !inputs.is_empty())
     }
 }
 
@@ -124,11 +139,7 @@ impl<'a> Journey<'a> {
                 self.form.elapsed = self.begin + self.stretches[self.current].dt;
                 self.ends.push(self.form.hull());
                 self.tubes.push(self.form.tube.clone());
-                let regime_depends = self
-                    .acting
-                    .as_ref()
-                    .is_some_and(|a| a.inputs.iter().any(|inputs| !inputs.is_empty()));
-                if regime_depends {
+                if self.acting.as_ref().is_some_and(Acting::depends_on_inputs) {
                     self.acting = None;
                 }
                 self.certain = None;
@@ -345,7 +356,7 @@ impl<'a> Journey<'a> {
     pub(super) fn hold(
         &self,
         regime: &Regime,
-        states: &mut [Vec<f64>],
+        (states, lows): (&mut [Vec<f64>], &mut [f64]),
         map: &mut [Interval],
         more: &mut [Interval],
     ) {
@@ -356,6 +367,7 @@ impl<'a> Journey<'a> {
             {
                 states[state].fill(0.0);
                 states[state][0] = value.mid();
+                lows[state] = 0.0;
                 more[state] = value - Interval::point(value.mid());
                 map[state * n..(state + 1) * n].fill(Interval::ZERO);
             }
@@ -378,12 +390,13 @@ impl<'a> Journey<'a> {
         }
         let Arrival {
             mut states,
-            lows,
+            mut lows,
             mut map,
             mut more,
             ..
         } = arrival;
-        self.hold(&acting.regime, &mut states, &mut map, &mut more);
+        let polynomials = (&mut states[..], &mut lows[..]);
+        self.hold(&acting.regime, polynomials, &mut map, &mut more);
         self.form.states = states;
         self.form.transport(&map, &lows, &more);
         self.form.settle()?;

@@ -18,7 +18,7 @@ pub(super) struct Piece {
     pub(super) slopes: Vec<(usize, usize, usize)>,
     /// What is watched.
     pub(super) probes: Vec<Probe>,
-    /// The rates, and the entries of `slopes`, to be evaluated on boxes.
+    /// The rates, the entries of `slopes`, and what is watched with its rates, to be evaluated on boxes.
     pub(super) tape: Tape,
 }
 
@@ -50,6 +50,7 @@ impl Piece {
         }
         let mut secondary: Vec<ExprId> = entries.iter().map(|entry| entry.2).collect();
         let mut shapes = Vec::with_capacity(watched.len());
+        let mut moving = Vec::with_capacity(2 * watched.len());
         for e in watched {
             let slopes = gradient(graph, *e, layout);
             let mut drift = graph.integer(0);
@@ -58,6 +59,7 @@ impl Piece {
                 drift = graph.add(drift, term);
             }
             secondary.extend([*e, drift]);
+            moving.extend([*e, drift]);
             secondary.extend(slopes.iter().map(|(_, slope)| *slope));
             shapes.push(slopes);
         }
@@ -89,6 +91,7 @@ impl Piece {
             .iter()
             .copied()
             .chain(entries.iter().map(|e| e.2))
+            .chain(moving)
             .collect();
         Piece {
             rates: own.to_vec(),
@@ -116,6 +119,19 @@ impl Piece {
             steepness[i * n + l] = output(n + index).mag();
         }
         Some((rates, steepness))
+    }
+
+    /// What is watched on a box of states, parameters and inputs, each with its rate of change. `None` as
+    /// there.
+    pub(super) fn watched_on_box(&self, quantities: &[Interval]) -> Option<Vec<[Interval; 2]>> {
+        let mut registers = self.tape.registers();
+        if !self.tape.eval(quantities, &mut registers).is_defined() {
+            return None;
+        }
+        let first = self.states + self.slopes.len();
+        let output = |index: usize| self.tape.output(first + index, &registers);
+        let probes = 0..self.probes.len();
+        Some(probes.map(|i| [output(2 * i), output(2 * i + 1)]).collect())
     }
 }
 

@@ -1,0 +1,115 @@
+//! Forms of models that jump: random sets and random true solutions; none may be lost.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking"
+)]
+
+mod common;
+
+use common::hybrid::{Events, Sim};
+use common::jumping::{ALL, Jumping};
+use common::{Rng, interval, read};
+use veribound_flow::form::{Effort, Flow, FormOptions, Stretch};
+use veribound_interval::Interval;
+
+/// How far true solutions are wrong, at most.
+const SLACK: f64 = 2e-6;
+
+fn inside(b: &[Interval], x: &[f64]) -> bool {
+    let near = interval(-SLACK, SLACK);
+    b.iter().zip(x).all(|(b, x)| (*b + near).contains(*x))
+}
+
+#[derive(Debug, Default)]
+struct Seen {
+    proved: u64,
+    stopped: u64,
+    events: Events,
+}
+
+fn attack(model: &Jumping, flow: &Flow, seed: u64, seen: &mut Seen) {
+    let mut rng = Rng(seed);
+    let width = rng.pick(&[0.0, 1e-6, 1e-3, 0.02, 0.1, 1.0]) * model.widest;
+    let mut some = |range: &(f64, f64), share: f64| {
+        let lo = rng.inside(interval(range.0, range.1));
+        interval(lo, (lo + share * width * rng.unit()).min(range.1))
+    };
+    let start: Vec<Interval> = model.start.iter().map(|range| some(range, 1.0)).collect();
+    let params: Vec<Interval> = model.params.iter().map(|range| some(range, 0.3)).collect();
+    let step = rng.pick(model.steps);
+    let mut inputs: Vec<Interval> = Vec::new();
+    let mut stretches = Vec::new();
+    for k in 0..1 + rng.below(24) {
+        if k == 0 || rng.chance(0.3) {
+            inputs.clear();
+            for range in model.inputs {
+                let lo = rng.between(range.0, range.1);
+                inputs.push(interval(lo, lo + rng.pick(&[0.0, 0.0, 0.3]) * width));
+            }
+        }
+        stretches.push(Stretch {
+            inputs: inputs.clone(),
+            dt: Interval::point(step),
+        });
+    }
+    let options = FormOptions {
+        degree: rng.pick(&[None, Some(1), Some(2), Some(3)]),
+        order: rng.pick(&[None, None, Some(6), Some(15)]),
+        ..FormOptions::default()
+    };
+    let effort = Effort {
+        parts: 1 + rng.below(2),
+        ..Effort::default()
+    };
+    let found = flow.enclose(&start, &params, &stretches, options, effort);
+    seen.proved += found.ends.len() as u64;
+    seen.stopped += u64::from(found.stopped.is_some());
+    for _ in 0..8 {
+        let x: Vec<f64> = start.iter().map(|x| rng.inside(*x)).collect();
+        let p: Vec<f64> = params.iter().map(|p| rng.inside(*p)).collect();
+        let mut truth = Sim::new(model.hybrid, &x, &p, &[]);
+        for (k, (end, tube)) in found.ends.iter().zip(&found.tubes).enumerate() {
+            let say = |what: &str, x: &[f64], set: &[Interval]| {
+                panic!(
+                    "{} {seed}, {what} stretch {k} of {step}: {x:?} not in {set:?}; from {start:?}, {params:?}, \
+                     {stretches:?} with {options:?}",
+                    model.name
+                );
+            };
+            for part in [0.37, 0.63] {
+                truth.u = stretches[k].inputs.iter().map(|u| rng.inside(*u)).collect();
+                truth.advance(part * step, &mut rng);
+                if !inside(tube, &truth.x) {
+                    say("on the way in", &truth.x, tube);
+                }
+            }
+            if !inside(end, &truth.x) {
+                say("at the end of", &truth.x, end);
+            }
+        }
+        seen.events.add(truth.events);
+    }
+}
+
+fn number(name: &str, usual: u64) -> u64 {
+    let text = std::env::var(name).unwrap_or_default();
+    text.parse().unwrap_or(usual)
+}
+
+#[test]
+fn no_form_loses_a_solution_that_jumps() {
+    let first = number("VERIBOUND_SEED", 0);
+    let rounds = number("VERIBOUND_ROUNDS", 12);
+    for model in ALL {
+        let flow = Flow::new(&read(model.name, model.text));
+        let mut seen = Seen::default();
+        for seed in first..first + rounds {
+            attack(model, &flow, seed, &mut seen);
+        }
+        println!("{}: {seen:?}", model.name);
+        assert!(seen.events.jumps > 0 && seen.proved > rounds, "{seen:?}");
+    }
+}
