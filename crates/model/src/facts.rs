@@ -1,6 +1,6 @@
 //! What is proved about the right-hand sides of a model: which structure an engine may rely on.
 
-use crate::graph::{ExprId, Graph, Node, Unary, Var};
+use crate::graph::{ExprId, Graph, Var};
 use crate::model::Model;
 use veribound_interval::Interval;
 
@@ -101,11 +101,7 @@ impl Model {
         };
         let (affine_in_states, affine_in_params) = (affine_in(&states), affine_in(&params));
         let jacobian = der.iter().map(|e| {
-            let jumps = jumps_with(graph, *e, &states);
             let slopes = states.iter().map(|state| {
-                if jumps {
-                    return Interval::ENTIRE;
-                }
                 let slope = graph.derivative(*e, *state);
                 let slope = graph.eval_interval(slope, &|var| self.everywhere(var));
                 // Where a derivative exists nowhere, as that of a root at exactly zero, nothing is known.
@@ -138,27 +134,11 @@ impl Model {
 
 /// Whether `e` is affine in all of `list` together.
 fn is_affine(graph: &mut Graph, e: ExprId, list: &[Var]) -> bool {
-    !jumps_with(graph, e, list)
-        && list.iter().all(|var| {
-            let slope = graph.derivative(e, *var);
-            let in_slope = graph.variables(slope);
-            !in_slope.iter().any(|var| list.contains(var))
-        })
-}
-
-/// Whether `e` holds a sign of something with one of `list`: its derivative is taken for zero, which says
-/// nothing across the jump.
-fn jumps_with(graph: &Graph, e: ExprId, list: &[Var]) -> bool {
-    graph
-        .reachable(&[e])
-        .into_iter()
-        .any(|at| match graph.node(at) {
-            Node::Unary(Unary::Sign, argument) => {
-                let inside = graph.variables(*argument);
-                inside.iter().any(|var| list.contains(var))
-            }
-            _ => false,
-        })
+    list.iter().all(|var| {
+        let slope = graph.derivative(e, *var);
+        let in_slope = graph.variables(slope);
+        !in_slope.iter().any(|var| list.contains(var))
+    })
 }
 
 #[cfg(test)]
@@ -199,6 +179,8 @@ mod tests {
             ("sign(u)*x", true, true),
             ("sign(a - 1.5)*x", true, false),
             ("sqrt(u)*a + 3", true, true),
+            ("floor(x)", false, true),
+            ("floor(u)*x + atan2(u, 1)*a", true, true),
         ] {
             assert_eq!(frame(velocity), (states, params), "{velocity}");
         }

@@ -8,7 +8,8 @@
 )]
 
 use std::time::{Duration, Instant};
-use veribound_model::Model;
+use veribound_interval::Interval;
+use veribound_model::{Model, Tape};
 
 /// Numbers without pattern, the same in every run.
 struct Dice(u64);
@@ -120,7 +121,10 @@ fn read(text: &str) {
 
 fn understand(text: &str) {
     match Model::from_text("garbage.toml", text) {
-        Ok(model) => assert!(!model.describe().is_empty()),
+        Ok(model) => {
+            assert!(!model.describe().is_empty());
+            evaluate(&model);
+        }
         Err(problems) => {
             assert!(!problems.0.is_empty());
             assert!(problems.render(false).starts_with("error[E"));
@@ -130,6 +134,19 @@ fn understand(text: &str) {
                 }
             }
         }
+    }
+}
+
+/// Outputs, and new values at jumps, on a box and back.
+fn evaluate(model: &Model) {
+    let jumps = model.jumps.iter().flat_map(|jump| &jump.set);
+    let outputs = model.outputs.iter().map(|output| output.expr);
+    for e in outputs.chain(jumps.map(|(_, value)| *value)) {
+        let tape = Tape::compile(&model.graph, model.layout(), &[e]);
+        let mut registers = tape.registers::<Interval>();
+        let mut quantities = vec![Interval::new(-1.0, 2.0).unwrap(); model.layout().len()];
+        tape.eval(&quantities, &mut registers);
+        tape.contract(&mut quantities, Interval::ONE, &mut registers);
     }
 }
 
@@ -143,6 +160,10 @@ fn changed_models_never_panic() {
         "tanks",
         "emps",
         "chain",
+        "jumps",
+        "if-in-output",
+        "disturbed",
+        "units",
     ]
     .iter()
     .map(|name| std::fs::read_to_string(format!("testdata/good/{name}.toml")).unwrap())
@@ -279,10 +300,37 @@ fn well_formed_expressions_are_understood_in_time() {
     while goes_on(start, count) {
         let depth = dice.below(5);
         let (part, velocity) = (value(&mut dice, depth), value(&mut dice, depth));
+        // Friction is refused in outputs and jumps; most texts shall be models.
+        let output = match dice.below(3) {
+            0 => "phi".to_owned(),
+            _ => value(&mut dice, depth.min(2)),
+        };
+        let law = if dice.below(3) > 0 {
+            format!("der = {{ phi = \"omega\", omega = \"{velocity}\" }}")
+        } else {
+            let (left, other) = (value(&mut dice, 1), value(&mut dice, 1));
+            let (one, two) = (
+                condition(&mut dice, 2, &left),
+                condition(&mut dice, 1, &other),
+            );
+            let der = format!("der = {{ phi = \"omega\", omega = \"{velocity}\" }}");
+            format!(
+                "modes.a = {{ when = \"{one}\", {der} }}\nmodes.b = {{ when = \"not ({one}) or {two}\", {der} }}"
+            )
+        };
+        let jump = if dice.below(3) > 0 {
+            String::new()
+        } else {
+            let new = value(&mut dice, depth.min(2));
+            let border = value(&mut dice, 1);
+            format!(
+                "jumps.j = {{ when = \"{border} > 1 and omega < 0\", set = {{ omega = \"{new}\" }} }}\n"
+            )
+        };
         let text = format!(
             "format = 1\nstates = [\"phi\", \"omega\"]\ninputs = [\"u\"]\ninit = {{ phi = 0, omega = 0 }}\n\
-             disturbances.d = [-1, 1]\nparams = {{ T_Fs = [0, 1] }}\nlet.part = \"{}\"\n\
-             der = {{ phi = \"omega\", omega = \"{velocity}\" }}\noutputs = {{ y = \"phi +- 1\" }}\n",
+             disturbances.d = [-1, 1]\nparams = {{ T_Fs = [0, 1] }}\nlet.part = \"{}\"\n{law}\n{jump}\
+             outputs = {{ y = \"{output} +- 1\" }}\n",
             part.replace("part", "1")
         );
         read(&text);

@@ -10,7 +10,7 @@
 //! are active.
 
 use crate::file::lower::{Lowering, Switch, both, either, negated};
-use crate::graph::{ExprId, Graph, Node, Unary, Var};
+use crate::graph::{ExprId, Graph, Unary, Var};
 use crate::model::{Guard, Mode, Relation};
 use num_traits::Zero;
 
@@ -291,14 +291,6 @@ impl Guard {
 /// Only a velocity that is `slope * state + rest` is used, with a constant slope and a rest without
 /// that state; there the equation has exactly one solution.
 fn holding(graph: &mut Graph, velocity: ExprId) -> Option<(Var, ExprId)> {
-    // The derivative of `sign` is taken as zero by the graph, which says nothing across its jump.
-    let jumps = graph
-        .reachable(&[velocity])
-        .into_iter()
-        .any(|e| matches!(graph.node(e), Node::Unary(Unary::Sign, _)));
-    if jumps {
-        return None;
-    }
     for var in graph.variables(velocity) {
         if !matches!(var, Var::State(_)) {
             continue;
