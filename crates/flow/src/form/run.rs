@@ -6,11 +6,8 @@
 
 use super::flow::{Diverged, Flow};
 use super::journey::Journey;
-use super::set::{Form, FormOptions, Unknown, usual_degree};
+use super::set::{Form, FormOptions, MOST_TERMS, Unknown, usual_degree};
 use veribound_interval::Interval;
-
-/// Most terms of a polynomial that are worth trying.
-const MOST_TERMS: usize = 800;
 
 /// Highest degree that is worth trying.
 const HIGHEST_DEGREE: usize = 12;

@@ -122,6 +122,9 @@ pub struct Form {
     pub(super) signs: Vec<Signs>,
 }
 
+/// Most terms of a polynomial that are worth it.
+pub(super) const MOST_TERMS: usize = 800;
+
 /// Highest order in time.
 pub(super) const HIGHEST: usize = 31;
 
@@ -146,6 +149,23 @@ pub(super) fn usual_degree(unknowns: usize) -> usize {
         9..=12 => 2,
         _ => 1,
     }
+}
+
+/// The number of monomials up to a degree in some unknowns and some fresh ones that count `weight` degrees.
+fn terms((unknowns, fresh): (usize, usize), weight: usize, degree: usize) -> usize {
+    // The number of monomials of at most degree q in d variables, and of exactly that.
+    let up_to =
+        |d: usize, q: usize| (1..=q).fold(1_usize, |count, k| count.saturating_mul(d + k) / k);
+    let exactly = |d: usize, q: usize| {
+        if d == 0 {
+            usize::from(q == 0)
+        } else {
+            up_to(d - 1, q)
+        }
+    };
+    (0..=degree / weight)
+        .map(|power| exactly(fresh, power).saturating_mul(up_to(unknowns, degree - power * weight)))
+        .fold(0, usize::saturating_add)
 }
 
 impl Form {
@@ -175,8 +195,14 @@ impl Form {
         let degree = degree.max(1);
         let mut weights = vec![1; unknowns.len()];
         if degree > 1 && !unknowns.is_empty() {
-            let weight = options.fresh.unwrap_or(degree.div_ceil(2)).clamp(1, degree);
-            weights.extend(states.iter().map(|_| weight));
+            let wanted = options.fresh.unwrap_or(degree.div_ceil(2)).clamp(1, degree);
+            let counts = (unknowns.len(), states.len());
+            // Where there are many states, fresh unknowns stand alone, or there are none.
+            let weight =
+                (wanted..=degree).find(|weight| terms(counts, *weight, degree) <= MOST_TERMS);
+            if let Some(weight) = weight {
+                weights.extend(states.iter().map(|_| weight));
+            }
         }
         let monomials = Monomials::new(&weights, degree);
         let polynomial = |unknown: Unknown, x: Interval| -> (Vec<f64>, Interval) {
@@ -395,6 +421,29 @@ pub(super) fn two_sum(a: f64, b: f64) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn terms_are_counted() {
+        for (counts, weight, degree) in [
+            ((2, 2), 2, 4),
+            ((3, 2), 1, 3),
+            ((1, 4), 3, 3),
+            ((2, 0), 1, 5),
+        ] {
+            let weights = [vec![1; counts.0], vec![weight; counts.1]].concat();
+            let table = Monomials::new(&weights, degree);
+            assert_eq!(terms(counts, weight, degree), table.len());
+        }
+    }
+
+    /// A hundred states have no products of fresh unknowns.
+    #[test]
+    fn many_states_have_few_terms() {
+        let states = vec![Interval::ZERO; 100];
+        let params = [Interval::new(1.0, 2.0).unwrap_or(Interval::ONE); 2];
+        let form = Form::new(&states, &params, FormOptions::default());
+        assert!(form.monomials.len() <= MOST_TERMS);
+    }
 
     #[test]
     fn what_a_sum_loses_stays_in_the_frame() {
