@@ -76,7 +76,17 @@ fn leak(text: &str) -> &'static str {
 }
 
 fn model_text(states: &str, inputs: &str, params: &str, der: &str) -> &'static str {
-    Box::leak(model(states, inputs, params, der).into_boxed_str())
+    leak(&model(states, inputs, params, der))
+}
+
+/// A motor with dry friction.
+fn motor() -> &'static str {
+    model_text(
+        "x1 x2",
+        "u",
+        "alpha = [-2.05, -1.95]\nbeta = [99, 101]\nT = [0.098, 0.102]",
+        "x1 = \"x2\"\nx2 = \"alpha*x2 + beta*(u - friction(x2, u, T))\"",
+    )
 }
 
 /// Another level every two seconds, sampled every 10 ms.
@@ -91,10 +101,7 @@ fn levels(seconds: u32) -> Vec<(&'static str, Vec<&'static str>)> {
 
 /// A motor with dry friction under a sampled sine, ten seconds long.
 fn sampled_sine() -> Vec<(&'static str, Vec<&'static str>)> {
-    let level = |k: u32| {
-        let text = format!("{:.17}", 0.25 * (0.8 * f64::from(k) * 0.01).sin());
-        &*Box::leak(text.into_boxed_str())
-    };
+    let level = |k: u32| leak(&format!("{:.17}", 0.25 * (0.8 * f64::from(k) * 0.01).sin()));
     (0..1000).map(|k| ("0.01", vec![level(k)])).collect()
 }
 
@@ -152,12 +159,7 @@ fn cases() -> Vec<Case> {
         },
         Case {
             name: "B3",
-            model: model_text(
-                "x1 x2",
-                "u",
-                "alpha = [-2.05, -1.95]\nbeta = [99, 101]\nT = [0.098, 0.102]",
-                "x1 = \"x2\"\nx2 = \"alpha*x2 + beta*(u - friction(x2, u, T))\"",
-            ),
+            model: motor(),
             start: vec![["0", "0"], ["0", "0"]],
             params: vec![["-2.05", "-1.95"], ["99", "101"], ["0.098", "0.102"]],
             stretches: sampled_sine(),
@@ -166,12 +168,7 @@ fn cases() -> Vec<Case> {
         },
         Case {
             name: "rig, 80 s",
-            model: model_text(
-                "x1 x2",
-                "u",
-                "alpha = [-2.05, -1.95]\nbeta = [99, 101]\nT = [0.098, 0.102]",
-                "x1 = \"x2\"\nx2 = \"alpha*x2 + beta*(u - friction(x2, u, T))\"",
-            ),
+            model: motor(),
             start: vec![["0", "0"], ["0", "0"]],
             params: vec![
                 ["-2.001", "-1.999"],

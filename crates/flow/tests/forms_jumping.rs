@@ -11,7 +11,7 @@ mod common;
 
 use common::hybrid::{Events, Sim};
 use common::jumping::{ALL, Jumping};
-use common::{Rng, interval, read};
+use common::{Rng, interval, number, read};
 use veribound_flow::form::{Effort, Flow, FormOptions, Stretch};
 use veribound_interval::Interval;
 
@@ -33,12 +33,7 @@ struct Seen {
 fn attack(model: &Jumping, flow: &Flow, seed: u64, seen: &mut Seen) {
     let mut rng = Rng(seed);
     let width = rng.pick(&[0.0, 1e-6, 1e-3, 0.02, 0.1, 1.0]) * model.widest;
-    let mut some = |range: &(f64, f64), share: f64| {
-        let lo = rng.inside(interval(range.0, range.1));
-        interval(lo, (lo + share * width * rng.unit()).min(range.1))
-    };
-    let start: Vec<Interval> = model.start.iter().map(|range| some(range, 1.0)).collect();
-    let params: Vec<Interval> = model.params.iter().map(|range| some(range, 0.3)).collect();
+    let (start, params) = model.draw(&mut rng, width);
     let step = rng.pick(model.steps);
     let mut inputs: Vec<Interval> = Vec::new();
     let mut stretches = Vec::new();
@@ -92,11 +87,6 @@ fn attack(model: &Jumping, flow: &Flow, seed: u64, seen: &mut Seen) {
         }
         seen.events.add(truth.events);
     }
-}
-
-fn number(name: &str, usual: u64) -> u64 {
-    let text = std::env::var(name).unwrap_or_default();
-    text.parse().unwrap_or(usual)
 }
 
 #[test]

@@ -11,7 +11,7 @@ mod common;
 
 use common::models::{self, Target};
 use common::truth::{Events, Sim};
-use common::{Rng, interval, read};
+use common::{Rng, interval, number, read};
 use veribound_flow::form::{Effort, Enclosure, Flow, FormOptions, Stretch, Unknown};
 use veribound_interval::Interval;
 
@@ -242,24 +242,14 @@ fn advance(target: &Target, flow: &Flow, rng: &mut Rng, tally: &mut Tally) {
     }
 }
 
-fn seed() -> u64 {
-    let text = std::env::var("VERIBOUND_SEED").unwrap_or_default();
-    text.parse().unwrap_or(7)
-}
-
-fn rounds() -> usize {
-    let text = std::env::var("VERIBOUND_ROUNDS").unwrap_or_default();
-    text.parse().unwrap_or(8)
-}
-
 #[test]
 fn no_solution_is_lost_across_switches() {
-    let mut rng = Rng(seed());
+    let mut rng = Rng(number("VERIBOUND_SEED", 7));
     let mut all = Tally::default();
     for target in models::ALL {
         let flow = Flow::new(&read(target.name, target.text));
         let mut tally = Tally::default();
-        for round in 0..rounds() {
+        for round in 0..number("VERIBOUND_ROUNDS", 8) {
             if round % 2 == 0 {
                 enclose(target, &flow, &mut rng, &mut tally);
             } else {

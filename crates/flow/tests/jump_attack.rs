@@ -73,13 +73,7 @@ struct Seen {
 fn attack(model: &Jumping, seed: u64, seen: &mut Seen) {
     let mut rng = Rng(seed);
     let width = rng.pick(&[0.0, 1e-6, 0.1, 1.0]) * model.widest;
-    let mut some = |range: &(f64, f64), share: f64| {
-        let whole = interval(range.0, range.1);
-        let lo = rng.inside(whole);
-        interval(lo, (lo + share * width * rng.unit()).min(range.1))
-    };
-    let start: Vec<Interval> = model.start.iter().map(|range| some(range, 1.0)).collect();
-    let params: Vec<Interval> = model.params.iter().map(|range| some(range, 0.3)).collect();
+    let (start, params) = model.draw(&mut rng, width);
     let step = rng.pick(model.steps);
     let system = System::new(&read(model.name, model.text));
     let options = StepOptions {

@@ -440,27 +440,43 @@ impl Graph {
 
     /// `e` with every quantity for which `replacement` gives an expression replaced by it.
     pub fn substitute(&mut self, e: ExprId, replacement: &dyn Fn(Var) -> Option<ExprId>) -> ExprId {
+        self.rebuilt(e, &mut |_, node| match node {
+            Node::Var(var) => replacement(*var),
+            _ => None,
+        })
+    }
+
+    /// `e` with every node for which `replace` gives an expression replaced by it; it is asked for operands
+    /// first, and sees nodes with their new operands.
+    fn rebuilt(
+        &mut self,
+        e: ExprId,
+        replace: &mut dyn FnMut(&mut Graph, &Node) -> Option<ExprId>,
+    ) -> ExprId {
         let mut done: HashMap<ExprId, ExprId> = HashMap::new();
         for old in self.reachable(&[e]) {
-            let new = match *self.node(old) {
-                Node::Var(var) => replacement(var).unwrap_or(old),
-                Node::Constant(_) | Node::Pi => old,
-                Node::Unary(function, a) => {
-                    let a = done[&a];
-                    self.unary(function, a)
+            let moved = match *self.node(old) {
+                Node::Constant(_) | Node::Pi => {
+                    done.insert(old, old);
+                    continue;
                 }
-                Node::Power(a, n) => {
-                    let a = done[&a];
-                    self.powi(a, n)
-                }
-                Node::Binary(function, a, b) => {
-                    let (a, b) = (done[&a], done[&b]);
-                    self.binary(function, a, b)
-                }
-                Node::Choose(Choice { test, yes, no }) => {
-                    self.choose(done[&test], done[&yes], done[&no])
-                }
+                Node::Var(var) => Node::Var(var),
+                Node::Unary(function, a) => Node::Unary(function, done[&a]),
+                Node::Power(a, n) => Node::Power(done[&a], n),
+                Node::Binary(function, a, b) => Node::Binary(function, done[&a], done[&b]),
+                Node::Choose(Choice { test, yes, no }) => Node::Choose(Choice {
+                    test: done[&test],
+                    yes: done[&yes],
+                    no: done[&no],
+                }),
             };
+            let new = replace(self, &moved).unwrap_or_else(|| match moved {
+                Node::Constant(_) | Node::Pi | Node::Var(_) => old,
+                Node::Unary(function, a) => self.unary(function, a),
+                Node::Power(a, n) => self.powi(a, n),
+                Node::Binary(function, a, b) => self.binary(function, a, b),
+                Node::Choose(Choice { test, yes, no }) => self.choose(test, yes, no),
+            });
             done.insert(old, new);
         }
         done[&e]

@@ -35,7 +35,7 @@
 use super::ahead::{around, later};
 use super::journey::{Acting, Journey};
 use super::outward::raised;
-use super::piece::Piece;
+use super::piece::{OnBox, Piece};
 use super::range::range;
 use super::regime::{Field, Reason, Regime, Watch};
 use super::set::Form;
@@ -45,12 +45,6 @@ use veribound_interval::Interval;
 
 /// Windows are longer than they should have to be by the first share, or else by the second.
 const SPARE: [f64; 2] = [0.3, 1.5];
-
-/// Once through a window: where, and what came of it.
-struct Landing {
-    form: Form,
-    regime: Regime,
-}
 
 /// What happens on the surface.
 struct Passage {
@@ -82,13 +76,13 @@ impl Journey<'_> {
         let probe = acting.piece.probes[watch].clone();
         let seconds = root + (0.5 + spare) * spread;
         let (inputs, seconds) = self.window(seconds, root + 0.5 * spread)?;
-        if !acting.steady(&inputs)[watch] || !acting.holds_on(&inputs) {
+        let steady = acting.steady(&inputs);
+        if !steady[watch] || !acting.holds_on(&inputs) {
             return None;
         }
         let begin = &self.form;
-        let prepared = acting.prepare(begin, &inputs, seconds)?;
+        let prepared = acting.prepare_seconds(begin, &inputs, seconds)?;
         let (unit, span) = (prepared.unit, prepared.bounds.span);
-        let steady = acting.steady(&inputs);
         let regime = &acting.regime;
         let others = (0..regime.watches.len()).filter(|other| *other != watch);
         for other in others {
@@ -211,12 +205,12 @@ impl Journey<'_> {
             let near = inflated(&on_it, &reach);
             let quantities = self.quantities(&near, inputs);
             let field = flow.switching.field(&quantities)?;
-            let (before, _) = acting.piece.on_box(&quantities)?;
+            let before = acting.piece.on_box(&quantities)?.rates;
             let (regime, jump, after) = self.next_regime(acting, asked, &field, (&near, inputs))?;
             let piece = flow.piece(&regime);
             let after = inflated(&after, &reach);
             let quantities = self.quantities(&after, inputs);
-            let (rates, _) = piece.on_box(&quantities)?;
+            let OnBox { rates, watched } = piece.on_box(&quantities)?;
             let wider: Vec<f64> = before
                 .iter()
                 .zip(&rates)
@@ -224,7 +218,6 @@ impl Journey<'_> {
                 .collect();
             // Both solutions stay in the box between the two times.
             if wider.iter().zip(&reach).all(|(w, r)| *w <= 1.1 * r) {
-                let watched = piece.watched_on_box(&quantities)?;
                 if !self.keeps_to(&regime, asked, &watched, inputs) {
                     return None;
                 }
@@ -268,15 +261,7 @@ impl Journey<'_> {
         (near, inputs): (&[Interval], &[Interval]),
     ) -> Option<(Regime, Option<usize>, Vec<Interval>)> {
         let flow = self.flow;
-        let surfaces = field.surfaces.iter().zip(&acting.regime.signs);
-        let mut signs: Vec<Signs> = surfaces
-            .enumerate()
-            .map(|(surface, (value, known))| {
-                let free = flow.switching.surfaces.list[surface].inputs.is_empty();
-                let own = Signs::of(*value);
-                if free { own.and(*known) } else { own }
-            })
-            .collect();
+        let mut signs = flow.switching.narrowed(field.signs(), &acting.regime.signs);
         match asked.reason {
             Reason::Kink => {
                 // The same modes go on; only the kink is on the other side.
@@ -305,7 +290,7 @@ impl Journey<'_> {
                     flow.switching
                         .image(jump, surface, &self.quantities(near, inputs))?;
                 let field = flow.switching.field(&self.quantities(&after, inputs))?;
-                let mut signs: Vec<Signs> = field.surfaces.iter().map(|x| Signs::of(*x)).collect();
+                let mut signs = field.signs();
                 if keeps {
                     signs[surface] = Signs::ZERO;
                 }
@@ -357,9 +342,8 @@ impl Journey<'_> {
     ) -> Option<Form> {
         let n = slopes.len();
         let quantities = self.quantities(&passage.nearby, inputs);
-        let (before, _) = acting.piece.on_box(&quantities)?;
-        let mut form = self.form.clone();
-        form.states.clone_from(&arrival.states);
+        let before = acting.piece.on_box(&quantities)?.rates;
+        let mut states = arrival.states.clone();
         // DR, and what rounding takes from R(X).
         let mut change = vec![Interval::ZERO; n * n];
         for i in 0..n {
@@ -368,11 +352,12 @@ impl Journey<'_> {
         let mut more = vec![Interval::ZERO; n];
         if let Some(jump) = passage.jump {
             let set = &self.flow.switching.sets[jump];
-            let slopes = set.slopes(&quantities)?;
-            let still = form.without_rest();
+            let (_, slopes) = set.on_box(&quantities)?;
+            let mut still = self.form.without_rest();
+            still.states.clone_from(&states);
             for (position, &state) in set.states.iter().enumerate() {
                 let (polynomial, off) = still.evaluate(&set.values[position], inputs).ok()?;
-                form.states[state] = polynomial;
+                states[state] = polynomial;
                 more[state] = Interval::symmetric(off);
                 change[state * n..(state + 1) * n].fill(Interval::ZERO);
             }
@@ -409,10 +394,16 @@ impl Journey<'_> {
                 }
             }
         }
-        let mut lows = vec![0.0; n];
-        let polynomials = (&mut form.states[..], &mut lows[..]);
-        self.hold(&passage.regime, polynomials, &mut map, &mut more);
-        form.transport(&map, &lows, &more);
+        let mut landing = Arrival {
+            states,
+            lows: vec![0.0; n],
+            map,
+            more,
+            during: Vec::new(),
+        };
+        self.hold(&passage.regime, &mut landing);
+        let mut form = self.form.clone();
+        landing.land(&mut form);
         Some(form)
     }
 
@@ -422,10 +413,10 @@ impl Journey<'_> {
         (next, form, inputs): (&mut Acting, Form, &[Interval]),
         asked: Watch,
         (rest, unit): (Vec<f64>, f64),
-    ) -> Option<(Landing, (Form, Prepared))> {
+    ) -> Option<(Form, (Form, Prepared))> {
         let monomials = &form.monomials;
         let longest = around(&rest).hi() * unit;
-        let prepared = next.prepare(&form, inputs, raised(longest, 2))?;
+        let prepared = next.prepare_seconds(&form, inputs, raised(longest, 2))?;
         if !prepared.last {
             return None;
         }
@@ -457,28 +448,10 @@ impl Journey<'_> {
             .arrival(&form, &next.scratch, &prepared, &end)
             .ok()?;
         let mut after = form.clone();
-        after.states = arrival.states;
-        after.transport(&arrival.map, &arrival.lows, &arrival.more);
-        for (tube, during) in after.tube.iter_mut().zip(arrival.during) {
-            *tube = during;
-        }
+        after.tube.clone_from(&arrival.during);
+        arrival.land(&mut after);
         after.settle().ok()?;
-        let mut regime = next.regime.clone();
-        regime
-            .watches
-            .retain(|watch| match (asked.reason, watch.reason) {
-                (Reason::Hold { surface, .. }, Reason::Hold { surface: other, .. }) => {
-                    surface != other
-                }
-                _ => true,
-            });
-        Some((
-            Landing {
-                form: after,
-                regime,
-            },
-            (form, prepared),
-        ))
+        Some((after, (form, prepared)))
     }
 
     /// Takes the landing over, and tells where solutions are at the ends of stretches within the window.
@@ -486,7 +459,7 @@ impl Journey<'_> {
         &mut self,
         (acting, prepared, arrival): (&Acting, &Prepared, &Arrival),
         (next, second, after): (&Acting, &Form, &Prepared),
-        landing: Landing,
+        landing: Form,
         (scaled, moved, apart): (&[f64], Interval, f64),
         passage: &Passage,
     ) -> Option<()> {
@@ -495,7 +468,7 @@ impl Journey<'_> {
             .rates
             .iter()
             .map(|rate| raised(apart * rate.mag(), 1));
-        let after_it = landing.form.tube.iter().zip(early);
+        let after_it = landing.tube.iter().zip(early);
         let tube: Vec<Interval> = arrival
             .during
             .iter()
@@ -550,14 +523,14 @@ impl Journey<'_> {
         self.tubes.extend(tubes);
         let begin = self.form.elapsed;
         let begun = current != self.current;
-        self.form = landing.form;
+        self.form = landing;
         self.form.elapsed = begin + since;
         if begun {
             self.enter(current);
         }
         self.form.elapsed = begin + moved;
         self.form.tube = tube_now;
-        self.form.signs.clone_from(&landing.regime.signs);
+        self.form.signs.clone_from(&next.regime.signs);
         self.left = left - (moved - since);
         Some(())
     }
@@ -636,22 +609,19 @@ impl Acting {
         for _ in 0..12 {
             s -= at(&value, s) / (at(&rate, s) * unit);
         }
-        let sizes = &self.scratch.errors.sizes[probe.value];
-        let spread: f64 = sizes.degree[1..].iter().sum();
-        let spread = spread + self.scratch.radii[1][probe.value];
-        let takes = 2.0 * spread / at(&rate, s).abs();
+        let takes = self.spread(watch) / at(&rate, s).abs();
         (s >= 0.0 && s.is_finite() && takes.is_finite()).then_some((s * unit, takes))
     }
 
     /// A prepared step of at most so many seconds.
-    fn prepare(&mut self, form: &Form, inputs: &[Interval], seconds: f64) -> Option<Prepared> {
-        let none = vec![0.0; form.states.len()];
+    fn prepare_seconds(
+        &mut self,
+        form: &Form,
+        inputs: &[Interval],
+        seconds: f64,
+    ) -> Option<Prepared> {
         let longest = Interval::point(seconds);
-        let given = (inputs, &none[..]);
-        let prepared = self
-            .piece
-            .prepare(form, &mut self.scratch, given, longest, 1e-3 * seconds);
-        prepared.ok()
+        self.prepare(form, inputs, longest, 1e-3 * seconds).ok()
     }
 
     /// Scaled times at which what is watched is nearly zero, as polynomial in the unknowns.

@@ -12,7 +12,6 @@
 use std::sync::Arc;
 
 use super::flow::{Diverged, Flow};
-use super::outward::raised;
 use super::piece::Piece;
 use super::regime::{Field, Reason, Regime};
 use super::run::Stretch;
@@ -53,6 +52,20 @@ impl Acting {
             regime,
             piece,
         }
+    }
+
+    /// A prepared step of at most `longest`.
+    pub(super) fn prepare(
+        &mut self,
+        form: &Form,
+        inputs: &[Interval],
+        longest: Interval,
+        shortest: f64,
+    ) -> Result<Prepared, Obstacle> {
+        let none = vec![0.0; form.states.len()];
+        let given = (inputs, &none[..]);
+        self.piece
+            .prepare(form, &mut self.scratch, given, longest, shortest)
     }
 
     /// For every watch whether it is a function of the state alone.
@@ -220,47 +233,32 @@ impl<'a> Journey<'a> {
     }
 
     /// The regime that is certain now.
-    fn regime(&mut self) -> Option<Regime> {
+    fn regime(&self) -> Option<Regime> {
         if self.flow.is_smooth() {
             return self.flow.resolve(None, &[]);
         }
-        let states = self.form.quick_hull();
-        let field = self
-            .flow
-            .switching
-            .field(&self.quantities(&states, self.inputs()));
+        let field = self.field();
         let signs = field.as_ref().map_or(Vec::new(), |field| self.signs(field));
         self.flow.resolve(field.as_ref(), &signs)
     }
 
+    /// Surfaces and right-hand sides on a box around the form.
+    fn field(&self) -> Option<Field> {
+        let quantities = self.quantities(&self.form.quick_hull(), self.inputs());
+        self.flow.switching.field(&quantities)
+    }
+
     /// What is known of the surfaces now: what was, and what the box of `field` says.
-    pub(super) fn signs(&self, field: &Field) -> Vec<Signs> {
-        let surfaces = field.surfaces.iter().enumerate();
-        surfaces
-            .map(|(surface, value)| {
-                let own = Signs::of(*value);
-                let known = self.form.signs.get(surface).copied().unwrap_or(Signs::ANY);
-                if self.flow.switching.surfaces.list[surface].inputs.is_empty() {
-                    own.and(known)
-                } else {
-                    own
-                }
-            })
-            .collect()
+    fn signs(&self, field: &Field) -> Vec<Signs> {
+        self.flow
+            .switching
+            .narrowed(field.signs(), &self.form.signs)
     }
 
     /// A step of the regime, as far as it is certain.
     fn smooth(&mut self, mut acting: Acting) -> Result<(), Obstacle> {
         let inputs = self.inputs();
-        let none = vec![0.0; self.flow.layout.states];
-        let prepared = acting.piece.prepare(
-            &self.form,
-            &mut acting.scratch,
-            (inputs, &none),
-            self.left,
-            self.shortest(),
-        );
-        let prepared = match prepared {
+        let prepared = match acting.prepare(&self.form, inputs, self.left, self.shortest()) {
             Ok(prepared) => prepared,
             // What may jump or has no slope somewhere may still have bounds.
             Err(why @ (Obstacle::Jump | Obstacle::Undefined)) => return self.mixed(None, why),
@@ -312,11 +310,7 @@ impl<'a> Journey<'a> {
 
     /// The regime that is certain now, with all its kinks.
     fn bent(&self) -> Option<Regime> {
-        let states = self.form.quick_hull();
-        let field = self
-            .flow
-            .switching
-            .field(&self.quantities(&states, self.inputs()))?;
+        let field = self.field()?;
         self.flow.unbent(&field, &self.signs(&field))
     }
 
@@ -353,23 +347,17 @@ impl<'a> Journey<'a> {
     }
 
     /// What is held has its value, for all.
-    pub(super) fn hold(
-        &self,
-        regime: &Regime,
-        (states, lows): (&mut [Vec<f64>], &mut [f64]),
-        map: &mut [Interval],
-        more: &mut [Interval],
-    ) {
-        let n = states.len();
+    pub(super) fn hold(&self, regime: &Regime, arrival: &mut Arrival) {
+        let n = arrival.states.len();
         for (surface, signs) in regime.signs.iter().enumerate() {
             if *signs == Signs::ZERO
                 && let Some((state, value, _)) = self.flow.level(surface)
             {
-                states[state].fill(0.0);
-                states[state][0] = value.mid();
-                lows[state] = 0.0;
-                more[state] = value - Interval::point(value.mid());
-                map[state * n..(state + 1) * n].fill(Interval::ZERO);
+                arrival.states[state].fill(0.0);
+                arrival.states[state][0] = value.mid();
+                arrival.lows[state] = 0.0;
+                arrival.more[state] = value - Interval::point(value.mid());
+                arrival.map[state * n..(state + 1) * n].fill(Interval::ZERO);
             }
         }
     }
@@ -382,23 +370,14 @@ impl<'a> Journey<'a> {
         end: &End,
         moved: Interval,
     ) -> Result<(), Obstacle> {
-        let arrival = acting
+        let mut arrival = acting
             .piece
             .arrival(&self.form, &acting.scratch, prepared, end)?;
         for (tube, during) in self.form.tube.iter_mut().zip(&arrival.during) {
             *tube = tube.hull(*during);
         }
-        let Arrival {
-            mut states,
-            mut lows,
-            mut map,
-            mut more,
-            ..
-        } = arrival;
-        let polynomials = (&mut states[..], &mut lows[..]);
-        self.hold(&acting.regime, polynomials, &mut map, &mut more);
-        self.form.states = states;
-        self.form.transport(&map, &lows, &more);
+        self.hold(&acting.regime, &mut arrival);
+        arrival.land(&mut self.form);
         self.form.settle()?;
         self.form.elapsed += moved;
         self.left -= moved;
@@ -420,12 +399,16 @@ impl Acting {
 
     /// About the scaled time in which all solutions pass a watched expression's zero.
     fn crossing_time(&self, watch: usize, unit: f64) -> f64 {
-        let probe = &self.piece.probes[watch];
-        let sizes = &self.scratch.errors.sizes;
-        let spread: f64 = sizes[probe.value].degree[1..].iter().sum();
-        let spread = raised(spread + self.scratch.radii[1][probe.value], 2);
-        let speed = (sizes[probe.rate].centre * unit).abs();
-        2.0 * spread / (speed + 1e-300)
+        let rate = self.piece.probes[watch].rate;
+        let speed = (self.scratch.errors.sizes[rate].centre * unit).abs();
+        self.spread(watch) / (speed + 1e-300)
+    }
+
+    /// About how much a watched expression differs over the set.
+    pub(super) fn spread(&self, watch: usize) -> f64 {
+        let value = self.piece.probes[watch].value;
+        let spread: f64 = self.scratch.errors.sizes[value].degree[1..].iter().sum();
+        2.0 * (spread + self.scratch.radii[1][value])
     }
 }
 

@@ -14,7 +14,6 @@ use super::piece::Piece;
 use super::regime::Regime;
 use super::set::Form;
 use super::step::Obstacle;
-use super::surfaces::Signs;
 use crate::step::{StepOptions, Workspace};
 use veribound_interval::Interval;
 use veribound_model::ExprId;
@@ -88,9 +87,7 @@ impl Journey<'_> {
             .collect();
         form.elapsed = self.form.elapsed + moved;
         let ended = flow.switching.field(&self.quantities(&end, inputs));
-        form.signs = ended.map_or(Vec::new(), |field| {
-            field.surfaces.iter().map(|x| Signs::of(*x)).collect()
-        });
+        form.signs = ended.map_or(Vec::new(), |field| field.signs());
         form.settle()?;
         self.form = form;
         self.left = if last {
@@ -112,7 +109,7 @@ impl Journey<'_> {
         let (flow, inputs) = (self.flow, self.inputs());
         let quantities = self.quantities(tube, inputs);
         let field = flow.switching.field(&quantities)?;
-        let signs: Vec<Signs> = field.surfaces.iter().map(|x| Signs::of(*x)).collect();
+        let signs = field.signs();
         if flow.switching.jump_possible(&signs) {
             return None;
         }
@@ -121,8 +118,7 @@ impl Journey<'_> {
         for (x, now) in middle.iter_mut().zip(self.form.hull()) {
             *x = Interval::point(now.mid());
         }
-        let middle = flow.switching.field(&middle)?;
-        let middle: Vec<Signs> = middle.surfaces.iter().map(|x| Signs::of(*x)).collect();
+        let middle = flow.switching.field(&middle)?.signs();
         let hinted = hint.map(|(acting, _)| acting.regime.rates);
         let mut rates = Vec::with_capacity(velocities.len());
         for (state, velocity) in velocities.iter().enumerate() {
@@ -139,7 +135,7 @@ impl Journey<'_> {
             has_kinks: true,
         };
         let mut acting = Acting::new(flow, regime, &self.form);
-        let (own, _) = acting.piece.on_box(&quantities)?;
+        let own = acting.piece.on_box(&quantities)?.rates;
         let extra: Vec<f64> = velocities
             .iter()
             .enumerate()
@@ -165,8 +161,7 @@ impl Journey<'_> {
             .arrival(&self.form, &acting.scratch, &prepared, &end)
             .ok()?;
         let mut form = self.form.clone();
-        form.states = arrival.states;
-        form.transport(&arrival.map, &arrival.lows, &arrival.more);
+        arrival.land(&mut form);
         Some(form)
     }
 }

@@ -18,7 +18,7 @@ pub(super) struct Piece {
     pub(super) slopes: Vec<(usize, usize, usize)>,
     /// What is watched.
     pub(super) probes: Vec<Probe>,
-    /// The rates, the entries of `slopes`, and what is watched with its rates, to be evaluated on boxes.
+    /// The rates, and what is watched with its rates, to be evaluated on boxes.
     pub(super) tape: Tape,
 }
 
@@ -53,11 +53,7 @@ impl Piece {
         let mut moving = Vec::with_capacity(2 * watched.len());
         for e in watched {
             let slopes = gradient(graph, *e, layout);
-            let mut drift = graph.integer(0);
-            for &(state, slope) in &slopes {
-                let term = graph.mul(slope, rates[state]);
-                drift = graph.add(drift, term);
-            }
+            let drift = drift(graph, &slopes, &|state| rates[state]);
             secondary.extend([*e, drift]);
             moving.extend([*e, drift]);
             secondary.extend(slopes.iter().map(|(_, slope)| *slope));
@@ -87,12 +83,7 @@ impl Piece {
                 }
             })
             .collect();
-        let on_boxes: Vec<ExprId> = rates
-            .iter()
-            .copied()
-            .chain(entries.iter().map(|e| e.2))
-            .chain(moving)
-            .collect();
+        let on_boxes: Vec<ExprId> = rates.iter().copied().chain(moving).collect();
         Piece {
             rates: own.to_vec(),
             slopes,
@@ -104,35 +95,40 @@ impl Piece {
         }
     }
 
-    /// The rates on a box of states, parameters and inputs, and how fast they change with the states:
-    /// `|∂f/∂x|` row by row. `None` where they are undefined or jump there.
-    pub(super) fn on_box(&self, quantities: &[Interval]) -> Option<(Vec<Interval>, Vec<f64>)> {
+    /// The rates on a box of states, parameters and inputs, and what is watched there, each with its rate of
+    /// change. `None` where they are undefined or jump.
+    pub(super) fn on_box(&self, quantities: &[Interval]) -> Option<OnBox> {
         let mut registers = self.tape.registers();
-        if !self.tape.eval(quantities, &mut registers).is_defined() {
-            return None;
-        }
+        let regular = self.tape.eval(quantities, &mut registers);
         let output = |index: usize| self.tape.output::<Interval>(index, &registers);
         let n = self.states;
-        let rates = (0..n).map(output).collect();
-        let mut steepness = vec![0.0; n * n];
-        for (index, &(i, l, _)) in self.slopes.iter().enumerate() {
-            steepness[i * n + l] = output(n + index).mag();
-        }
-        Some((rates, steepness))
+        let watched = |probe: usize| [output(n + 2 * probe), output(n + 2 * probe + 1)];
+        regular.is_continuous().then(|| OnBox {
+            rates: (0..n).map(output).collect(),
+            watched: (0..self.probes.len()).map(watched).collect(),
+        })
     }
+}
 
-    /// What is watched on a box of states, parameters and inputs, each with its rate of change. `None` as
-    /// there.
-    pub(super) fn watched_on_box(&self, quantities: &[Interval]) -> Option<Vec<[Interval; 2]>> {
-        let mut registers = self.tape.registers();
-        if !self.tape.eval(quantities, &mut registers).is_defined() {
-            return None;
-        }
-        let first = self.states + self.slopes.len();
-        let output = |index: usize| self.tape.output(first + index, &registers);
-        let probes = 0..self.probes.len();
-        Some(probes.map(|i| [output(2 * i), output(2 * i + 1)]).collect())
-    }
+/// A [`Piece`] on a box.
+pub(super) struct OnBox {
+    pub(super) rates: Vec<Interval>,
+    /// Value and rate of change.
+    pub(super) watched: Vec<[Interval; 2]>,
+}
+
+/// The rate of change of an expression with this gradient where states have these rates.
+pub(super) fn drift(
+    graph: &mut Graph,
+    gradient: &[(usize, ExprId)],
+    rate: &dyn Fn(usize) -> ExprId,
+) -> ExprId {
+    gradient
+        .iter()
+        .fold(graph.integer(0), |sum, &(state, slope)| {
+            let term = graph.mul(slope, rate(state));
+            graph.add(sum, term)
+        })
 }
 
 /// The slopes of an expression in the states, those that are not zero.

@@ -27,7 +27,7 @@
 use std::ops::Range;
 
 use super::output::Output;
-use super::piece::gradient;
+use super::piece::{drift, gradient};
 use super::surfaces::{Signs, Surfaces};
 use crate::system::agree_on_guards;
 use veribound_interval::Interval;
@@ -116,36 +116,23 @@ impl Set {
         }
     }
 
-    /// The values on a box of states, parameters and inputs, where they are continuous.
-    fn on_box(&self, quantities: &[Interval]) -> Option<Vec<Interval>> {
+    /// The values on a box of states, parameters and inputs, and for every slope the state that is set, the
+    /// state that its value depends on, and how. `None` where they are undefined.
+    pub(super) fn on_box(&self, quantities: &[Interval]) -> Option<(Vec<Interval>, Vec<SetSlope>)> {
         let mut registers = self.tape.registers();
         if !self.tape.eval(quantities, &mut registers).is_defined() {
             return None;
         }
-        let values = 0..self.states.len();
-        Some(
-            values
-                .map(|index| self.tape.output(index, &registers))
-                .collect(),
-        )
-    }
-
-    /// State that is set, state that its value depends on, and how.
-    pub(super) fn slopes(&self, quantities: &[Interval]) -> Option<Vec<(usize, usize, Interval)>> {
-        let mut registers = self.tape.registers();
-        if !self.tape.eval(quantities, &mut registers).is_defined() {
-            return None;
-        }
-        let first = self.states.len();
-        let slopes = self.slopes.iter().enumerate();
-        let slope = |index: usize| self.tape.output::<Interval>(first + index, &registers);
-        Some(
-            slopes
-                .map(|(index, &(state, from))| (state, from, slope(index)))
-                .collect(),
-        )
+        let mut outputs = (0..).map(|index| self.tape.output::<Interval>(index, &registers));
+        let values = outputs.by_ref().take(self.states.len()).collect();
+        let slopes = self.slopes.iter().zip(outputs);
+        let slopes = slopes.map(|(&(state, from), slope)| (state, from, slope));
+        Some((values, slopes.collect()))
     }
 }
+
+/// State that is set, state that its value depends on, and how.
+type SetSlope = (usize, usize, Interval);
 
 /// Surfaces and right-hand sides on a box.
 pub(super) struct Field {
@@ -156,6 +143,16 @@ pub(super) struct Field {
     exact: Vec<bool>,
     /// The box.
     pub(super) quantities: Vec<Interval>,
+}
+
+impl Field {
+    /// The signs of all surfaces, as far as the box tells.
+    pub(super) fn signs(&self) -> Vec<Signs> {
+        self.surfaces
+            .iter()
+            .map(|value| Signs::of(*value))
+            .collect()
+    }
 }
 
 /// Velocities of a state.
@@ -264,6 +261,16 @@ impl Switching {
         })
     }
 
+    /// `signs` less what is `known` not to be: of surfaces that inputs do not move.
+    pub(super) fn narrowed(&self, mut signs: Vec<Signs>, known: &[Signs]) -> Vec<Signs> {
+        for ((own, known), surface) in signs.iter_mut().zip(known).zip(&self.surfaces.list) {
+            if surface.inputs.is_empty() {
+                *own = own.and(*known);
+            }
+        }
+        signs
+    }
+
     /// True if the surface is a function of the state alone during a stretch.
     pub(super) fn is_steady(&self, surface: usize, field: &Field) -> bool {
         let inputs = self.surfaces.list[surface].inputs.iter();
@@ -323,7 +330,7 @@ impl Switching {
     ) -> Option<(Vec<Interval>, bool)> {
         let set = &self.sets[jump];
         let mut states = quantities[..self.layout.states].to_vec();
-        for (state, value) in set.states.iter().zip(set.on_box(quantities)?) {
+        for (state, value) in set.states.iter().zip(set.on_box(quantities)?.0) {
             states[*state] = value;
         }
         let touched = |entry: &(usize, ExprId)| set.states.contains(&entry.0);
@@ -342,11 +349,9 @@ impl Switching {
             let mut modes = self.possible(index, signs);
             let first = *modes.first()?;
             let agreed: Vec<usize> = self.agreed(&modes).iter().map(|rate| rate.0).collect();
-            let mut open = self.rates[first].iter().map(|rate| rate.0);
-            let open = open.find(|state| !agreed.contains(state));
-            if agreed.len() + 1 == self.rates[first].len()
-                && let Some(state) = open
-            {
+            let states = self.rates[first].iter().map(|rate| rate.0);
+            let open: Vec<usize> = states.filter(|state| !agreed.contains(state)).collect();
+            if let [state] = open[..] {
                 let mut strict = signs.to_vec();
                 for &surface in &group.surfaces {
                     if signs[surface].has(Signs::ZERO)
@@ -361,26 +366,14 @@ impl Switching {
                 modes = self.possible(index, &strict);
                 if modes.is_empty() {
                     // The surface is zero all the time; any rate may lead the way.
-                    velocities[state]
-                        .rates
-                        .push(self.rate_of(first, state, field)?);
+                    modes.push(first);
                 }
-                for other in agreed {
-                    velocities[other]
-                        .rates
-                        .push(self.rate_of(first, other, field)?);
-                }
-                for mode in modes {
-                    velocities[state]
-                        .rates
-                        .push(self.rate_of(mode, state, field)?);
-                }
-            } else {
-                for mode in modes {
-                    for (state, _) in &self.rates[mode] {
-                        velocities[*state]
-                            .rates
-                            .push(self.rate_of(mode, *state, field)?);
+            }
+            for mode in modes {
+                for ((state, rate), (_, value)) in self.rates[mode].iter().zip(&field.rates[mode]) {
+                    let known = &mut velocities[*state].rates;
+                    if !known.contains(&(*rate, *value)) {
+                        known.push((*rate, *value));
                     }
                 }
             }
@@ -388,17 +381,12 @@ impl Switching {
         Some(velocities)
     }
 
-    fn rate_of(&self, mode: usize, state: usize, field: &Field) -> Option<(ExprId, Interval)> {
-        let index = self.rates[mode].iter().position(|rate| rate.0 == state)?;
-        Some((self.rates[mode][index].1, field.rates[mode][index].1))
-    }
-
-    /// The velocity of a state while a surface stays zero, if all others have one rate.
+    /// The velocity of a state while a surface stays zero, if all others of its group have the rates of `mode`.
     fn tangent(
         &self,
         surface: usize,
         state: usize,
-        (group, mode): (usize, usize),
+        mode: (usize, usize),
         field: &Field,
         signs: &[Signs],
     ) -> Option<Interval> {
@@ -407,27 +395,23 @@ impl Switching {
         if own.contains(0.0) {
             return None;
         }
-        let mut sum = Interval::ZERO;
-        for &(other, slope) in gradient.iter().filter(|entry| entry.0 != state) {
-            let modes = if self.group_of[other] == group {
-                vec![mode]
-            } else {
-                self.possible(self.group_of[other], signs)
-            };
-            let mut hull = Interval::EMPTY;
-            for mode in modes {
-                hull = hull.hull(self.rate_of(mode, other, field)?.1);
-            }
-            sum += slope * hull;
-        }
+        let others = gradient.iter().filter(|entry| entry.0 != state);
+        let sum = others.fold(Interval::ZERO, |sum, &(other, slope)| {
+            sum + slope * self.rate_in(other, Some(mode), field, signs)
+        });
         Some(-(sum / own))
     }
 
     /// The rate of a state where surfaces have these signs, if one mode comes first.
     pub(super) fn rate_at(&self, state: usize, signs: &[Signs]) -> Option<ExprId> {
         let mode = *self.possible(self.group_of[state], signs).first()?;
-        let rate = self.rates[mode].iter().find(|rate| rate.0 == state)?;
-        Some(rate.1)
+        self.expression(mode, state)
+    }
+
+    /// The rate a mode gives a state, if it governs it.
+    fn expression(&self, mode: usize, state: usize) -> Option<ExprId> {
+        let mut rates = self.rates[mode].iter();
+        rates.find(|rate| rate.0 == state).map(|rate| rate.1)
     }
 
     fn possible(&self, group: usize, signs: &[Signs]) -> Vec<usize> {
@@ -506,7 +490,7 @@ impl Switching {
     ) -> Option<Signs> {
         let mut found = None;
         for mode in modes {
-            let sign = Signs::strict(self.drift(surface, (group, *mode), field, signs))?;
+            let sign = Signs::strict(self.drift(surface, Some((group, *mode)), field, signs))?;
             if found.is_some_and(|known| known != sign) {
                 return None;
             }
@@ -520,35 +504,39 @@ impl Switching {
         if !self.is_steady(surface, field) {
             return None;
         }
-        let terms = field.gradients[surface].iter().map(|&(state, slope)| {
-            let modes = self.possible(self.group_of[state], signs).into_iter();
-            let rates = modes.flat_map(|mode| &field.rates[mode]);
-            let rates = rates.filter(|rate| rate.0 == state);
-            slope * rates.fold(Interval::EMPTY, |hull, rate| hull.hull(rate.1))
-        });
-        Signs::strict(terms.fold(Interval::ZERO, |sum, x| sum + x))
+        Signs::strict(self.drift(surface, None, field, signs))
     }
 
-    /// The rate of change of a surface in a mode of a group, and in any possible modes of the others.
+    /// The rate of change of a surface in any possible modes, of one group in the mode `chosen`.
     fn drift(
         &self,
         surface: usize,
-        (group, mode): (usize, usize),
+        chosen: Option<(usize, usize)>,
         field: &Field,
         signs: &[Signs],
     ) -> Interval {
-        let terms = field.gradients[surface].iter().map(|&(state, slope)| {
-            let own = self.group_of[state];
-            let modes = if own == group {
-                vec![mode]
-            } else {
-                self.possible(own, signs)
-            };
-            let rates = modes.iter().flat_map(|mode| &field.rates[*mode]);
-            let rates = rates.filter(|rate| rate.0 == state);
-            slope * rates.fold(Interval::EMPTY, |hull, rate| hull.hull(rate.1))
-        });
-        terms.fold(Interval::ZERO, |sum, x| sum + x)
+        let terms = field.gradients[surface].iter();
+        terms.fold(Interval::ZERO, |sum, &(state, slope)| {
+            sum + slope * self.rate_in(state, chosen, field, signs)
+        })
+    }
+
+    /// The rates of a state in all possible modes, or in the mode `chosen` of its group.
+    fn rate_in(
+        &self,
+        state: usize,
+        chosen: Option<(usize, usize)>,
+        field: &Field,
+        signs: &[Signs],
+    ) -> Interval {
+        let own = self.group_of[state];
+        let modes = match chosen {
+            Some((group, mode)) if group == own => vec![mode],
+            _ => self.possible(own, signs),
+        };
+        let rates = modes.into_iter().flat_map(|mode| &field.rates[mode]);
+        let rates = rates.filter(|rate| rate.0 == state);
+        rates.fold(Interval::EMPTY, |hull, rate| hull.hull(rate.1))
     }
 
     fn assemble(
@@ -765,8 +753,7 @@ impl Switching {
         let mut drifts = [graph.integer(0); 2];
         for (mode, drift) in [below, above].into_iter().zip(&mut drifts) {
             for &(state, slope) in gradient {
-                let own = self.rates[*mode].iter().find(|rate| rate.0 == state);
-                let rate = own.map(|rate| rate.1).or(rates[state])?;
+                let rate = self.expression(*mode, state).or(rates[state])?;
                 let term = graph.mul(slope, rate);
                 *drift = graph.add(*drift, term);
             }
@@ -790,13 +777,10 @@ impl Switching {
         ];
         for (modes, side, sign) in sides {
             for mode in modes {
-                let mut drift = graph.integer(0);
-                for &(state, slope) in &self.surfaces.list[hold.surface].gradient {
-                    let own = self.rates[*mode].iter().find(|rate| rate.0 == state);
-                    let rate = own.map_or(rates[state], |rate| rate.1);
-                    let term = graph.mul(slope, rate);
-                    drift = graph.add(drift, term);
-                }
+                let gradient = &self.surfaces.list[hold.surface].gradient;
+                let drift = drift(graph, gradient, &|state| {
+                    self.expression(*mode, state).unwrap_or(rates[state])
+                });
                 let surface = hold.surface;
                 let watch = Watch {
                     expr: drift,

@@ -6,7 +6,7 @@
 
 use super::flow::{Diverged, Flow};
 use super::journey::Journey;
-use super::set::{Form, FormOptions, MOST_TERMS, Unknown, usual_degree};
+use super::set::{Form, FormOptions, MOST_TERMS, Unknown, terms, usual_degree};
 use veribound_interval::Interval;
 
 /// Highest degree that is worth trying.
@@ -191,11 +191,11 @@ impl Flow {
             }
             let next = pass(degree);
             let helps = next.excess() <= WORTHWHILE * best.excess();
-            let is_first = best.failure.is_some();
+            let has_failed = best.failure.is_some();
             if next.excess() <= best.excess() {
                 best = next;
             }
-            if !helps && !is_first {
+            if !helps && !has_failed {
                 break;
             }
         }
@@ -220,17 +220,9 @@ impl Flow {
 
 /// The highest degree whose polynomials are small enough.
 fn highest_degree(unknowns: usize) -> usize {
-    let mut terms = 1;
-    let mut degree = 0;
-    while degree < HIGHEST_DEGREE {
-        // The number of monomials of degree q in d variables is (d + q)! / (d! q!).
-        terms = terms * (unknowns + degree + 1) / (degree + 1);
-        if terms > MOST_TERMS {
-            break;
-        }
-        degree += 1;
-    }
-    degree.max(usual_degree(unknowns))
+    let mut degrees = (0..=HIGHEST_DEGREE).rev();
+    let highest = degrees.find(|degree| terms((unknowns, 0), 1, *degree) <= MOST_TERMS);
+    highest.unwrap_or(0).max(usual_degree(unknowns))
 }
 
 /// The halves of a part along the unknown that most crossings were lost by, or that its form depends on least

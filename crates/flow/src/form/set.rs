@@ -152,7 +152,7 @@ pub(super) fn usual_degree(unknowns: usize) -> usize {
 }
 
 /// The number of monomials up to a degree in some unknowns and some fresh ones that count `weight` degrees.
-fn terms((unknowns, fresh): (usize, usize), weight: usize, degree: usize) -> usize {
+pub(super) fn terms((unknowns, fresh): (usize, usize), weight: usize, degree: usize) -> usize {
     // The number of monomials of at most degree q in d variables, and of exactly that.
     let up_to =
         |d: usize, q: usize| (1..=q).fold(1_usize, |count, k| count.saturating_mul(d + k) / k);

@@ -64,6 +64,13 @@ impl Scratch {
             orders,
         }
     }
+
+    /// Encloses a register at all times of a prepared step, for all solutions within the deviation.
+    pub(super) fn around(&self, register: usize) -> Interval {
+        let size = &self.errors.sizes[register];
+        let off = raised(size.deviation + self.radii[1][register], 1);
+        Interval::point(size.centre).inflate(off)
+    }
 }
 
 /// A step that is proved to be possible up to some time.
@@ -106,6 +113,14 @@ pub(super) struct Arrival {
     pub(super) more: Vec<Interval>,
     /// At all times of the prepared step.
     pub(super) during: Vec<Interval>,
+}
+
+impl Arrival {
+    /// Moves `form`, which set out, there; not its tube.
+    pub(super) fn land(self, form: &mut Form) {
+        form.states = self.states;
+        form.transport(&self.map, &self.lows, &self.more);
+    }
 }
 
 /// What a step proved.

@@ -92,8 +92,7 @@ impl Piece {
         window: Interval,
     ) -> Interval {
         let size = &scratch.errors.sizes[register];
-        let off = scratch.radii[1][register];
-        let quick = Interval::point(size.centre).inflate(raised(size.deviation + off, 1));
+        let quick = scratch.around(register);
         if !quick.contains(0.0) || size.top == 0 {
             return quick;
         }
@@ -105,7 +104,10 @@ impl Piece {
         };
         let others: f64 = (1..monomials.len()).map(|a| row(a).mag()).sum();
         row(0)
-            .inflate(raised(others + off, monomials.len() + 1))
+            .inflate(raised(
+                others + scratch.radii[1][register],
+                monomials.len() + 1,
+            ))
             .intersect(quick)
     }
 
@@ -113,9 +115,7 @@ impl Piece {
     pub(super) fn slopes_of(&self, scratch: &Scratch, probe: &Probe) -> Vec<Interval> {
         let mut slopes = vec![Interval::ZERO; self.states];
         for &(state, register) in &probe.gradient {
-            let size = &scratch.errors.sizes[register];
-            let off = raised(size.deviation + scratch.radii[1][register], 1);
-            slopes[state] = Interval::point(size.centre).inflate(off);
+            slopes[state] = scratch.around(register);
         }
         slopes
     }

@@ -405,17 +405,7 @@ impl<'a> Solver<'a> {
             .collect();
         let mut all: Option<Times> = None;
         for (number, jump) in list.iter().enumerate() {
-            let mut q = always.clone();
-            let condition = self.system.mode_count() + number;
-            let guards = &self.system.guards;
-            let possible = guards.clip(
-                condition,
-                &mut q,
-                Mask::lane(0),
-                None,
-                &mut registers.guards,
-            );
-            if possible.none() {
+            if self.where_jumps(number, tube).is_none() {
                 continue;
             }
             let times = jump.timing.times(&courses);
@@ -424,24 +414,23 @@ impl<'a> Solver<'a> {
         Ok(all)
     }
 
+    /// The part of a box on which a jump may happen, with parameters and inputs; `None` where it cannot.
+    fn where_jumps(&mut self, jump: usize, x: &[Interval]) -> Option<Vec<Interval8>> {
+        let mut q = self.load(x);
+        let condition = self.system.mode_count() + jump;
+        let (guards, registers) = (&self.system.guards, &mut self.w.registers.guards);
+        let possible = guards.clip(condition, &mut q, Mask::lane(0), None, registers);
+        possible.get(0).then_some(q)
+    }
+
     /// Every jump that may happen on a box, with its image.
     pub(super) fn images(&mut self, x: &[Interval]) -> Result<Vec<(usize, Box)>, StepFailure> {
         let mut images = Vec::new();
         for (number, jump) in self.system.jumps.list.iter().enumerate() {
-            let mut q = self.load(x);
-            let registers = &mut self.w.registers;
-            let condition = self.system.mode_count() + number;
-            let guards = &self.system.guards;
-            let possible = guards.clip(
-                condition,
-                &mut q,
-                Mask::lane(0),
-                None,
-                &mut registers.guards,
-            );
-            if possible.none() {
+            let Some(q) = self.where_jumps(number, x) else {
                 continue;
-            }
+            };
+            let registers = &mut self.w.registers;
             let values = &mut registers.jumps.values[number];
             let regular = jump.values.eval(&q, values);
             let mut image: Box = (0..x.len()).map(|state| q[state].get(0)).collect();

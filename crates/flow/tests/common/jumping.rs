@@ -1,6 +1,9 @@
 //! Models that jump, each with its truth.
 
+use veribound_interval::Interval;
+
 use super::hybrid::{Hybrid, Jump};
+use super::{Rng, interval};
 
 /// A model to attack.
 #[derive(Clone, Copy)]
@@ -16,6 +19,21 @@ pub struct Jumping {
     pub steps: &'static [f64],
     /// Widest start.
     pub widest: f64,
+}
+
+impl Jumping {
+    /// Boxes of start values and of parameters, at most `width` wide.
+    pub fn draw(&self, rng: &mut Rng, width: f64) -> (Vec<Interval>, Vec<Interval>) {
+        let mut some = |range: &(f64, f64), share: f64| {
+            let lo = rng.inside(interval(range.0, range.1));
+            interval(lo, (lo + share * width * rng.unit()).min(range.1))
+        };
+        let start = self.start.iter().map(|range| some(range, 1.0)).collect();
+        (
+            start,
+            self.params.iter().map(|range| some(range, 0.3)).collect(),
+        )
+    }
 }
 
 const fn hybrid(states: usize, f: super::hybrid::Field, jumps: &'static [Jump]) -> Hybrid {

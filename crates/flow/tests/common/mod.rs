@@ -187,3 +187,9 @@ impl RigText {
 pub fn rig_model() -> Model {
     RigText::default().model()
 }
+
+/// A number from the environment, as `VERIBOUND_SEED`, or the usual one.
+pub fn number(name: &str, usual: u64) -> u64 {
+    let text = std::env::var(name).unwrap_or_default();
+    text.parse().unwrap_or(usual)
+}

@@ -1,68 +1,35 @@
 //! Functions of two arguments by functions of one.
 
-use super::{Binary, Choice, ExprId, Graph, Node, Unary};
-use std::collections::HashMap;
+use super::{Binary, ExprId, Graph, Node, Unary};
 
-#[allow(
-    clippy::indexing_slicing,
-    reason = "PROOF: `reachable` lists operands before what uses them"
-)]
 impl Graph {
     /// `e` without `atan2` and real powers, for evaluators that know functions of one argument only.
     ///
     /// Guarantee: equal to `e` wherever it is defined: not at the origin nor on the cut of an `atan2`, nor where
     /// the base of a real power is zero.
     pub fn elementary(&mut self, e: ExprId) -> ExprId {
-        let mut done: HashMap<ExprId, ExprId> = HashMap::new();
-        for old in self.reachable(&[e]) {
-            let new = match *self.node(old) {
-                Node::Constant(_) | Node::Pi | Node::Var(_) => old,
-                Node::Unary(function, a) => {
-                    let a = done[&a];
-                    self.unary(function, a)
-                }
-                Node::Power(a, n) => {
-                    let a = done[&a];
-                    self.powi(a, n)
-                }
-                Node::Binary(Binary::Pow, a, b) => {
-                    // a^b = exp(b log(a))
-                    let (a, b) = (done[&a], done[&b]);
-                    let log = self.unary(Unary::Ln, a);
-                    let product = self.mul(b, log);
-                    self.unary(Unary::Exp, product)
-                }
-                Node::Binary(Binary::Atan2, y, x) => {
-                    // Half the angle is seen from the other end of the circle's diameter.
-                    let (y, x) = (done[&y], done[&x]);
-                    let squares = (self.powi(x, 2), self.powi(y, 2));
-                    let sum = self.add(squares.0, squares.1);
-                    let radius = self.unary(Unary::Sqrt, sum);
-                    let beside = self.add(radius, x);
-                    let slope = self.div(y, beside);
-                    let half = self.unary(Unary::Atan, slope);
-                    let two = self.integer(2);
-                    self.mul(two, half)
-                }
-                Node::Binary(function, a, b) => {
-                    let (a, b) = (done[&a], done[&b]);
-                    self.binary(function, a, b)
-                }
-                Node::Choose(Choice { test, yes, no }) => {
-                    self.choose(done[&test], done[&yes], done[&no])
-                }
-            };
-            done.insert(old, new);
-        }
-        done[&e]
+        self.rebuilt(e, &mut |graph, node| match *node {
+            Node::Binary(Binary::Pow, a, b) => {
+                // a^b = exp(b log(a))
+                let log = graph.unary(Unary::Ln, a);
+                let product = graph.mul(b, log);
+                Some(graph.unary(Unary::Exp, product))
+            }
+            Node::Binary(Binary::Atan2, y, x) => {
+                // Half the angle is seen from the other end of the circle's diameter.
+                let squares = (graph.powi(x, 2), graph.powi(y, 2));
+                let sum = graph.add(squares.0, squares.1);
+                let radius = graph.unary(Unary::Sqrt, sum);
+                let beside = graph.add(radius, x);
+                let slope = graph.div(y, beside);
+                let half = graph.unary(Unary::Atan, slope);
+                let two = graph.integer(2);
+                Some(graph.mul(two, half))
+            }
+            _ => None,
+        })
     }
-}
 
-#[allow(
-    clippy::indexing_slicing,
-    reason = "PROOF: `reachable` lists operands before what uses them"
-)]
-impl Graph {
     /// Whether an absolute value, a minimum or a maximum stands in `e`.
     pub fn has_kinks(&self, e: ExprId) -> bool {
         let nodes = self.reachable(&[e]).into_iter();
@@ -83,47 +50,19 @@ impl Graph {
         e: ExprId,
         is_positive: &mut dyn FnMut(&Graph, ExprId) -> Option<bool>,
     ) -> ExprId {
-        let mut done: HashMap<ExprId, ExprId> = HashMap::new();
-        for old in self.reachable(&[e]) {
-            let new = match *self.node(old) {
-                Node::Constant(_) | Node::Pi | Node::Var(_) => old,
-                Node::Unary(Unary::Abs, a) => {
-                    let a = done[&a];
-                    match is_positive(self, a) {
-                        Some(true) => a,
-                        Some(false) => self.neg(a),
-                        None => self.unary(Unary::Abs, a),
-                    }
-                }
-                Node::Unary(function, a) => {
-                    let a = done[&a];
-                    self.unary(function, a)
-                }
-                Node::Power(a, n) => {
-                    let a = done[&a];
-                    self.powi(a, n)
-                }
-                Node::Binary(function @ (Binary::Min | Binary::Max), a, b) => {
-                    let (a, b) = (done[&a], done[&b]);
-                    let gap = self.sub(a, b);
-                    match is_positive(self, gap) {
-                        Some(larger) if larger == (function == Binary::Max) => a,
-                        Some(_) => b,
-                        None => self.binary(function, a, b),
-                    }
-                }
-                Node::Binary(function, a, b) => {
-                    let (a, b) = (done[&a], done[&b]);
-                    self.binary(function, a, b)
-                }
-                // At zero both are possible, so a side that may be zero does not decide it.
-                Node::Choose(Choice { test, yes, no }) => {
-                    self.choose(done[&test], done[&yes], done[&no])
-                }
-            };
-            done.insert(old, new);
-        }
-        done[&e]
+        // Of a choice both branches are possible where the test is zero, so a side does not decide it.
+        self.rebuilt(e, &mut |graph, node| match *node {
+            Node::Unary(Unary::Abs, a) => match is_positive(graph, a)? {
+                true => Some(a),
+                false => Some(graph.neg(a)),
+            },
+            Node::Binary(function @ (Binary::Min | Binary::Max), a, b) => {
+                let gap = graph.sub(a, b);
+                let is_first = is_positive(graph, gap)? == (function == Binary::Max);
+                Some(if is_first { a } else { b })
+            }
+            _ => None,
+        })
     }
 }
 
