@@ -352,7 +352,7 @@ fn main() {
                 "    {:5} {:24} width {width:12.6e}  inner {inner:9.4e}  wanted {most:9.4e} {verdict} ({} parts)",
                 model.states[*state].name,
                 format!("{}", hull[*state]),
-                last.parts,
+                last.parts.len(),
             );
         }
     }

@@ -478,7 +478,7 @@ impl Journey<'_> {
         let unit = prepared.unit;
         let times = around(scaled) * Interval::point(unit);
         let (mut current, mut left, mut since) = (self.current, self.left, Interval::ZERO);
-        let (mut ends, mut tubes) = (Vec::new(), Vec::new());
+        let mut passed = Vec::new();
         let already = self.form.tube.iter().zip(&tube);
         let mut tube_now: Vec<Interval> = already.map(|(a, b)| a.hull(*b)).collect();
         while current < self.stretches.len() && (since + left).lo() < moved.hi() {
@@ -507,20 +507,34 @@ impl Journey<'_> {
             }
             self.clip(&acting.regime.signs, &mut early);
             self.clip(&next.regime.signs, &mut late);
-            ends.push(match (early.is_empty(), late.is_empty()) {
+            let end: Vec<Interval> = match (early.is_empty(), late.is_empty()) {
                 (false, false) => early.iter().zip(&late).map(|(a, b)| a.hull(*b)).collect(),
                 (true, _) => late,
                 (_, true) => early,
-            });
-            tubes.push(std::mem::replace(&mut tube_now, tube.clone()));
+            };
+            passed.push((end, std::mem::replace(&mut tube_now, tube.clone())));
             current += 1;
             left = self
                 .stretches
                 .get(current)
                 .map_or(Interval::ZERO, |stretch| stretch.dt);
         }
-        self.ends.extend(ends);
-        self.tubes.extend(tubes);
+        let modes = acting.regime.modes.union(next.regime.modes);
+        self.proved.steps += 2;
+        for (stretch, (end, whole)) in (self.current..).zip(passed) {
+            let outputs = self.outputs_on(&tube, &self.stretches[stretch].inputs);
+            self.proved.pass(&outputs, modes);
+            let next = self.stretches.get(stretch + 1);
+            let outputs = next.map(|next| self.outputs_on(&end, &next.inputs));
+            self.proved.end(end, whole);
+            outputs
+                .into_iter()
+                .for_each(|outputs| self.proved.begin(outputs));
+        }
+        if let Some(stretch) = self.stretches.get(current) {
+            let outputs = self.outputs_on(&tube, &stretch.inputs);
+            self.proved.pass(&outputs, modes);
+        }
         let begin = self.form.elapsed;
         let begun = current != self.current;
         self.form = landing;

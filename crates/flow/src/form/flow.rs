@@ -6,11 +6,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::journey::Journey;
 use super::piece::Piece;
+use super::proved::Outputs;
 use super::regime::{Field, Regime, Switching};
 use super::run::Stretch;
 use super::set::{Form, FormOptions};
 use super::step::Obstacle;
 use super::surfaces::Signs;
+use crate::modes::ModeSet;
 use crate::system::System;
 use veribound_interval::Interval;
 use veribound_model::{ExprId, Graph, Layout, Model, Var};
@@ -21,6 +23,7 @@ use veribound_model::{ExprId, Graph, Layout, Model, Var};
 pub struct Flow {
     pub(super) layout: Layout,
     pub(super) switching: Switching,
+    pub(super) outputs: Outputs,
     /// The boxes that go on where no smooth right-hand side is certain.
     pub(super) system: System,
     /// The right-hand side of a model that never switches.
@@ -61,6 +64,7 @@ impl Flow {
                     has_kinks: rates.iter().any(|rate| graph.has_kinks(*rate)),
                     rates,
                     watches: Vec::new(),
+                    modes: all_modes(model),
                     signs: Vec::new(),
                 })
             }
@@ -68,6 +72,7 @@ impl Flow {
         };
         Flow {
             layout: model.layout(),
+            outputs: Outputs::compile(&mut graph, model),
             switching,
             system: System::new(model),
             only,
@@ -106,7 +111,7 @@ impl Flow {
         let mut journey = Journey::new(self, form.clone(), std::slice::from_ref(&stretch));
         journey.whole_at_end = true;
         journey.run()?;
-        let tube = journey.tubes.pop();
+        let tube = journey.proved.tubes.pop();
         *form = journey.form;
         form.tube = tube.unwrap_or_else(|| form.quick_hull());
         Ok(())
@@ -184,6 +189,12 @@ impl Flow {
             .level(self.switching.surfaces.list[surface].expr)?;
         Some((level.state, level.value, level.rising))
     }
+}
+
+fn all_modes(model: &Model) -> ModeSet {
+    let mut all = ModeSet::EMPTY;
+    (0..model.modes.len()).for_each(|mode| all.insert(mode));
+    all
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use std::sync::Arc;
 
 use super::flow::{Diverged, Flow};
 use super::piece::Piece;
+use super::proved::Proved;
 use super::regime::{Field, Reason, Regime};
 use super::run::Stretch;
 use super::set::Form;
@@ -97,9 +98,11 @@ pub(super) struct Journey<'a> {
     pub(super) whole_at_end: bool,
     /// It is a failure when the share of a width that is no function of the unknowns passes this.
     pub(super) most: f64,
-    /// One box of states for the end of every stretch gone through, and one for all its times.
-    pub(super) ends: Vec<Vec<Interval>>,
-    pub(super) tubes: Vec<Vec<Interval>>,
+    pub(super) proved: Proved,
+    /// Asked at every step whether to go on, with the time reached.
+    pub(super) go_on: &'a dyn Fn(f64) -> bool,
+    /// Whether outputs are told, too.
+    tells_outputs: bool,
     pub(super) acting: Option<Acting>,
     /// A regime that acts now, for want of a better one.
     certain: Option<Acting>,
@@ -125,8 +128,9 @@ impl<'a> Journey<'a> {
             left: Interval::ZERO,
             whole_at_end: false,
             most: f64::INFINITY,
-            ends: Vec::new(),
-            tubes: Vec::new(),
+            proved: Proved::default(),
+            go_on: &|_| true,
+            tells_outputs: false,
             acting: None,
             certain: None,
             workspace: None,
@@ -134,6 +138,36 @@ impl<'a> Journey<'a> {
         };
         journey.enter(0);
         journey
+    }
+
+    /// Tells outputs, too, from the start on.
+    pub(super) fn telling_outputs(mut self) -> Journey<'a> {
+        self.tells_outputs = true;
+        if !self.stretches.is_empty() {
+            let outputs = self.outputs_now(&self.form.hull());
+            self.proved.begin(outputs);
+        }
+        self
+    }
+
+    /// Encloses the outputs at the start of the stretch at hand, where the form is in `states`.
+    fn outputs_now(&self, states: &[Interval]) -> Vec<Interval> {
+        if !self.tells_outputs {
+            return Vec::new();
+        }
+        let inputs = self.inputs();
+        let quantities = self.quantities(states, inputs);
+        let outputs = &self.flow.outputs;
+        outputs.on_form(&self.form, &quantities, inputs)
+    }
+
+    /// Encloses the outputs on a box of states, with inputs in `inputs`.
+    pub(super) fn outputs_on(&self, states: &[Interval], inputs: &[Interval]) -> Vec<Interval> {
+        if !self.tells_outputs {
+            return Vec::new();
+        }
+        let quantities = self.quantities(states, inputs);
+        self.flow.outputs.on_box(&quantities)
     }
 
     /// Begins a stretch.
@@ -150,21 +184,28 @@ impl<'a> Journey<'a> {
         while self.current < self.stretches.len() {
             if self.left.hi() <= 0.0 {
                 self.form.elapsed = self.begin + self.stretches[self.current].dt;
-                self.ends.push(self.form.hull());
-                self.tubes.push(self.form.tube.clone());
+                let end = self.form.hull();
+                self.proved.end(end.clone(), self.form.tube.clone());
                 if self.acting.as_ref().is_some_and(Acting::depends_on_inputs) {
                     self.acting = None;
                 }
                 self.certain = None;
                 self.enter(self.current + 1);
+                if self.current < self.stretches.len() {
+                    let outputs = self.outputs_now(&end);
+                    self.proved.begin(outputs);
+                }
                 continue;
             }
-            let known = self.ends.len();
-            let mut moved = self.go_on();
+            let known = self.proved.len();
+            let mut moved = if (self.go_on)(self.form.elapsed.mid()) {
+                self.step_on()
+            } else {
+                Err(Obstacle::Interrupted)
+            };
             if moved.is_ok() && !self.is_in_domain(known) {
                 // What was passed on the way is proved no more than the rest.
-                self.ends.truncate(known);
-                self.tubes.truncate(known);
+                self.proved.truncate(known);
                 moved = Err(Obstacle::LeavesDomain);
             }
             let moved = match moved {
@@ -194,11 +235,12 @@ impl<'a> Journey<'a> {
                 .zip(allowed)
                 .all(|(x, allowed)| x.is_subset_of(*allowed))
         };
-        let tubes = self.tubes[known..].iter().chain([&self.form.tube]);
+        let tubes = self.proved.tubes[known..].iter();
+        let mut tubes = tubes.chain([&self.form.tube]);
         let mut inputs = self.stretches[known..]
             .iter()
-            .take(self.ends.len() + 1 - known);
-        tubes.into_iter().all(|tube| within(tube, &domain.states))
+            .take(self.proved.len() + 1 - known);
+        tubes.all(|tube| within(tube, &domain.states))
             && inputs.all(|stretch| within(&stretch.inputs, &domain.inputs))
     }
 
@@ -217,7 +259,7 @@ impl<'a> Journey<'a> {
     }
 
     /// One step of whatever kind is possible.
-    fn go_on(&mut self) -> Result<(), Obstacle> {
+    fn step_on(&mut self) -> Result<(), Obstacle> {
         if self.acting.is_none() {
             let regime = self.regime();
             self.acting = match regime {
@@ -376,6 +418,9 @@ impl<'a> Journey<'a> {
         for (tube, during) in self.form.tube.iter_mut().zip(&arrival.during) {
             *tube = tube.hull(*during);
         }
+        let outputs = self.outputs_on(&arrival.during, self.inputs());
+        self.proved.pass(&outputs, acting.regime.modes);
+        self.proved.steps += 1;
         self.hold(&acting.regime, &mut arrival);
         arrival.land(&mut self.form);
         self.form.settle()?;

@@ -14,6 +14,7 @@ use super::piece::Piece;
 use super::regime::Regime;
 use super::set::Form;
 use super::step::Obstacle;
+use crate::modes::ModeSet;
 use crate::step::{StepOptions, Workspace};
 use veribound_interval::Interval;
 use veribound_model::ExprId;
@@ -51,7 +52,7 @@ impl Journey<'_> {
         let start = self.form.hull();
         let params = self.form.param_box();
         let mut tries = 0;
-        let (end, tube, moved) = loop {
+        let (end, tube, modes, moved) = loop {
             let moved = if 1.1 * length >= self.left.hi() {
                 self.left
             } else {
@@ -62,7 +63,9 @@ impl Journey<'_> {
                 .system
                 .step(&mut states, &params, inputs, moved, &mut workspace)
             {
-                Ok(_) => break (states, workspace.tube().to_vec(), moved),
+                Ok(step) => {
+                    break (states, workspace.tube().to_vec(), step.modes_during, moved);
+                }
                 Err(_) if tries < SHORTENINGS && length > self.shortest() => {
                     tries += 1;
                     length = moved.hi() * 0.25;
@@ -86,6 +89,9 @@ impl Journey<'_> {
             .map(|(a, b)| a.hull(*b))
             .collect();
         form.elapsed = self.form.elapsed + moved;
+        let outputs = self.outputs_on(&tube, inputs);
+        self.proved.pass(&outputs, modes);
+        self.proved.steps += 1;
         let ended = flow.switching.field(&self.quantities(&end, inputs));
         form.signs = ended.map_or(Vec::new(), |field| field.signs());
         form.settle()?;
@@ -131,6 +137,7 @@ impl Journey<'_> {
         let regime = Regime {
             rates,
             watches: Vec::new(),
+            modes: ModeSet::EMPTY,
             signs: Vec::new(),
             has_kinks: true,
         };

@@ -73,6 +73,7 @@ mod monomials;
 mod output;
 mod outward;
 mod piece;
+mod proved;
 mod range;
 mod regime;
 mod run;
@@ -86,6 +87,6 @@ mod watching;
 
 pub use flow::{Diverged, Flow};
 pub use output::{Contradiction, Output};
-pub use run::{Effort, Enclosure, Stretch};
+pub use run::{Effort, Enclosure, Part, Standing, Stretch};
 pub use set::{Form, FormOptions, OutputForm, Unknown};
 pub use step::Obstacle;

@@ -29,6 +29,7 @@ use std::ops::Range;
 use super::output::Output;
 use super::piece::{drift, gradient};
 use super::surfaces::{Signs, Surfaces};
+use crate::modes::ModeSet;
 use crate::system::agree_on_guards;
 use veribound_interval::Interval;
 use veribound_model::{ExprId, Graph, Layout, Model, Tape, Var};
@@ -57,6 +58,8 @@ pub(super) struct Watch {
 pub(super) struct Regime {
     pub(super) rates: Vec<ExprId>,
     pub(super) watches: Vec<Watch>,
+    /// Velocities are, at almost all times, convex combinations of those of these modes, group by group.
+    pub(super) modes: ModeSet,
     /// What is known of the surfaces.
     pub(super) signs: Vec<Signs>,
     /// Whether there may be kinks on the set.
@@ -621,7 +624,16 @@ impl Switching {
                 reason: Reason::Side { surface },
             });
         }
+        let mut modes = ModeSet::EMPTY;
+        for (group, decision) in decisions.iter().enumerate() {
+            let acting = match decision {
+                Decision::Mode(_) => self.possible(group, &kept),
+                Decision::Hold(hold) => self.holding_modes(hold, &rates),
+            };
+            acting.into_iter().for_each(|mode| modes.insert(mode));
+        }
         Some(Regime {
+            modes,
             rates,
             watches,
             signs: kept,
@@ -767,6 +779,23 @@ impl Switching {
             }
         }
         Some(())
+    }
+
+    /// The modes by which a surface is held: one that acts nowhere else and gives these rates, as stick does, or else
+    /// all that meet there.
+    fn holding_modes(&self, hold: &Hold, rates: &[ExprId]) -> Vec<usize> {
+        let beside = |mode: &usize| hold.below.contains(mode) || hold.above.contains(mode);
+        let given = |mode: &usize| {
+            let mut list = self.rates[*mode].iter();
+            list.all(|(state, rate)| rates[*state] == *rate)
+        };
+        let all = hold.all.iter();
+        let own: Vec<usize> = all.filter(|m| !beside(m) && given(m)).copied().collect();
+        if own.is_empty() {
+            hold.all.clone()
+        } else {
+            own
+        }
     }
 
     /// Watches that keep a surface held.

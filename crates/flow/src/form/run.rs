@@ -6,7 +6,11 @@
 
 use super::flow::{Diverged, Flow};
 use super::journey::Journey;
+use super::proved::Proved;
 use super::set::{Form, FormOptions, MOST_TERMS, Unknown, terms, usual_degree};
+use super::step::Obstacle;
+use crate::modes::ModeSet;
+use std::rc::Rc;
 use veribound_interval::Interval;
 
 /// Highest degree that is worth trying.
@@ -45,17 +49,54 @@ impl Default for Effort {
 /// What is proved about a whole run.
 ///
 /// Guarantee: all solutions from the start set exist to the end of the last stretch listed; at the end of
-/// every one they lie in its box of `ends`, and during the stretch in its box of `tubes`.
-#[derive(Debug, Clone, PartialEq)]
+/// every one they lie in its box of `ends`, and during the stretch in its box of `tubes`. The same holds of
+/// the values that outputs have, with inputs that are any measurable functions in those of the stretch.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Enclosure {
     /// One box of states for the end of every stretch.
     pub ends: Vec<Vec<Interval>>,
     /// One box of states for all times of every stretch.
     pub tubes: Vec<Vec<Interval>>,
-    /// Number of parts that the set was divided into.
-    pub parts: usize,
+    /// One box of outputs for the start of every stretch that was begun: those listed, and the next.
+    pub outputs: Vec<Vec<Interval>>,
+    /// One box of outputs for all times of every stretch.
+    pub output_tubes: Vec<Vec<Interval>>,
+    /// For every stretch the modes that are not proved to be left out: at almost all times of it, velocities
+    /// are convex combinations of theirs, group by group.
+    pub modes: Vec<ModeSet>,
+    /// The parts that the set was divided into.
+    pub parts: Vec<Part>,
+    /// For every state, how much of its width each unknown decides, as shares that add up to at most one: at the
+    /// end of the way, in the part in which it is widest. What is left is what dependence could not keep.
+    pub shares: Vec<Vec<(Unknown, f64)>>,
+    /// Number of steps that were proved, on all ways that were tried.
+    pub steps: u64,
     /// Why not all stretches are listed, if they are not.
     pub stopped: Option<Diverged>,
+}
+
+/// A part of the start set, and where it went.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Part {
+    /// Start values.
+    pub states: Vec<Interval>,
+    /// Parameters.
+    pub params: Vec<Interval>,
+    /// Number of stretches that were proved for it, maybe more than are listed.
+    pub passed: usize,
+    /// The states at the end of the last of them.
+    pub end: Vec<Interval>,
+}
+
+/// How far an enclosure has come.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Standing {
+    /// Time since the start that the part at hand has reached on this way.
+    pub reached: f64,
+    /// Number of parts that are done.
+    pub done: usize,
+    /// Number of parts that wait, without the one at hand.
+    pub waiting: usize,
 }
 
 /// Narrow sets need no more than this degree,
@@ -70,13 +111,12 @@ const MODEST: f64 = 0.4;
 /// A higher degree is worth it where it makes the excess smaller by this factor.
 const WORTHWHILE: f64 = 0.9;
 
-/// One part of the start set.
-type Part = (Vec<Interval>, Vec<Interval>);
+/// Start values and parameters.
+type Set = (Vec<Interval>, Vec<Interval>);
 
 /// How one form went through the stretches, as far as it came.
 struct Passage {
-    ends: Vec<Vec<Interval>>,
-    tubes: Vec<Vec<Interval>>,
+    proved: Proved,
     failure: Option<Diverged>,
     last: Form,
     /// How much each unknown decides when surfaces are met that could not be crossed.
@@ -91,6 +131,28 @@ impl Passage {
             Some(_) => f64::INFINITY,
         }
     }
+
+    fn is_interrupted(&self) -> bool {
+        let failure = self.failure.as_ref();
+        failure.is_some_and(|failure| failure.obstacle == Obstacle::Interrupted)
+    }
+
+    /// Takes in what else is proved of all its solutions, on the way through `stretches` stretches.
+    fn restrict(&mut self, other: &Proved, stretches: usize) {
+        self.proved.restrict(other);
+        if self.proved.len() == stretches {
+            self.failure = None;
+        }
+    }
+}
+
+/// What all passages go through, and who watches.
+struct Task<'a> {
+    stretches: &'a [Stretch],
+    options: FormOptions,
+    effort: Effort,
+    /// Asked at every step whether to go on, with the time reached.
+    go_on: &'a dyn Fn(f64) -> bool,
 }
 
 impl Flow {
@@ -108,51 +170,98 @@ impl Flow {
         options: FormOptions,
         effort: Effort,
     ) -> Enclosure {
-        let mut open: Vec<Part> = vec![(states.to_vec(), params.to_vec())];
-        let mut result = Enclosure {
-            ends: Vec::new(),
-            tubes: Vec::new(),
-            parts: 0,
-            stopped: None,
-        };
-        while let Some(part) = open.pop() {
-            let passage = self.best_passage(&part, stretches, options, effort);
-            let divisible = result.parts + open.len() + 2 <= effort.parts;
-            let halves = if divisible && passage.excess() > effort.excess {
+        self.enclose_watched((states, params), stretches, options, effort, &|_| true)
+    }
+
+    /// As [`Flow::enclose`]; `go_on` is asked at every step whether to go on.
+    ///
+    /// Guarantee: that of [`Enclosure`], also where the answer was no: then what was proved until then is
+    /// listed, and the rest is [`Obstacle::Interrupted`].
+    pub fn enclose_watched(
+        &self,
+        (states, params): (&[Interval], &[Interval]),
+        stretches: &[Stretch],
+        options: FormOptions,
+        effort: Effort,
+        go_on: &dyn Fn(Standing) -> bool,
+    ) -> Enclosure {
+        let whole: Set = (states.to_vec(), params.to_vec());
+        // Each with what was proved of it before it was divided.
+        let mut open: Vec<(Set, Option<Rc<Proved>>)> = vec![(whole, None)];
+        let mut all: Option<Proved> = None;
+        let mut result = Enclosure::default();
+        let mut widths = vec![-1.0; states.len()];
+        result.shares = vec![Vec::new(); states.len()];
+        while let Some((part, before)) = open.pop() {
+            let standing = |reached: f64| Standing {
+                reached,
+                done: result.parts.len(),
+                waiting: open.len(),
+            };
+            let task = Task {
+                stretches,
+                options,
+                effort,
+                go_on: &|reached| go_on(standing(reached)),
+            };
+            let mut passage = self.best_passage(&part, &task);
+            result.steps += passage.proved.steps;
+            let excess = passage.excess();
+            if let Some(before) = &before {
+                passage.restrict(before, stretches.len());
+            }
+            let divisible = result.parts.len() + open.len() + 2 <= effort.parts;
+            let halves = if divisible && excess > effort.excess && !passage.is_interrupted() {
                 divide(&part, &passage)
             } else {
                 None
             };
             if let Some(halves) = halves {
-                open.extend(halves);
+                let proved = Rc::new(passage.proved);
+                open.extend(halves.map(|half| (half, Some(Rc::clone(&proved)))));
                 continue;
             }
-            let is_first = result.parts == 0;
-            result.parts += 1;
-            merge(&mut result.ends, passage.ends, is_first);
-            merge(&mut result.tubes, passage.tubes, is_first);
+            for (state, x) in passage.last.quick_hull().iter().enumerate() {
+                if x.width() > widths[state] {
+                    widths[state] = x.width();
+                    result.shares[state] = passage.last.shares(state);
+                }
+            }
+            result.parts.push(Part {
+                states: part.0,
+                params: part.1,
+                passed: passage.proved.len(),
+                end: passage.proved.ends.last().cloned().unwrap_or_default(),
+            });
+            match &mut all {
+                Some(all) => all.join(&passage.proved),
+                None => all = Some(passage.proved),
+            }
             if let Some(stopped) = passage.failure {
                 let before = result.stopped.as_ref().map(|known| known.reached.lo());
                 if before.is_none_or(|before| stopped.reached.lo() < before) {
                     result.stopped = Some(stopped);
                 }
                 // Nothing beyond can be proved for all parts, and further parts are not worth it.
-                if result.ends.is_empty() {
+                if all.as_ref().is_some_and(|all| all.len() == 0) {
                     break;
                 }
             }
         }
-        result
+        let all = all.unwrap_or_default();
+        Enclosure {
+            ends: all.ends,
+            tubes: all.tubes,
+            outputs: all.outputs,
+            output_tubes: all.output_tubes,
+            modes: all.modes,
+            ..result
+        }
     }
 
     /// The passage of the lowest degree that is good enough, or the best one.
-    fn best_passage(
-        &self,
-        part: &Part,
-        stretches: &[Stretch],
-        options: FormOptions,
-        effort: Effort,
-    ) -> Passage {
+    fn best_passage(&self, part: &Set, task: &Task<'_>) -> Passage {
+        let (options, effort) = (task.options, task.effort);
         let unknowns = self.start(&part.0, &part.1, options).unknowns().len();
         let (first, last) = match options.degree {
             Some(degree) => (degree, degree),
@@ -174,13 +283,13 @@ impl Flow {
             } else {
                 f64::INFINITY
             };
-            self.pass(part, stretches, with(degree), most)
+            self.pass(part, task, with(degree), most)
         };
         if options.degree.is_none() && LOW < first {
             let quick = pass(LOW);
             // Higher degrees do not help against what switches take.
             let share = if self.is_smooth() { SMALL } else { MODEST };
-            if quick.excess() <= share * effort.excess {
+            if quick.excess() <= share * effort.excess || quick.is_interrupted() {
                 return quick;
             }
         }
@@ -192,10 +301,17 @@ impl Flow {
             let next = pass(degree);
             let helps = next.excess() <= WORTHWHILE * best.excess();
             let has_failed = best.failure.is_some();
-            if next.excess() <= best.excess() {
-                best = next;
-            }
-            if !helps && !has_failed {
+            let is_better = next.excess() <= best.excess();
+            let (better, other) = if is_better {
+                (next, best)
+            } else {
+                (best, next)
+            };
+            let is_over = other.is_interrupted();
+            best = better;
+            best.proved.steps += other.proved.steps;
+            best.restrict(&other.proved, task.stretches.len());
+            if is_over || (!helps && !has_failed) {
                 break;
             }
         }
@@ -203,14 +319,14 @@ impl Flow {
     }
 
     /// One form through all stretches; it gives up where its excess passes `most`.
-    fn pass(&self, part: &Part, stretches: &[Stretch], options: FormOptions, most: f64) -> Passage {
+    fn pass(&self, part: &Set, task: &Task<'_>, options: FormOptions, most: f64) -> Passage {
         let form = self.start(&part.0, &part.1, options);
-        let mut journey = Journey::new(self, form, stretches);
+        let mut journey = Journey::new(self, form, task.stretches).telling_outputs();
         journey.most = most;
+        journey.go_on = task.go_on;
         let failure = journey.run().err();
         Passage {
-            ends: journey.ends,
-            tubes: journey.tubes,
+            proved: journey.proved,
             failure,
             last: journey.form,
             torn: journey.torn,
@@ -227,7 +343,7 @@ fn highest_degree(unknowns: usize) -> usize {
 
 /// The halves of a part along the unknown that most crossings were lost by, or that its form depends on least
 /// linearly.
-fn divide((states, params): &Part, passage: &Passage) -> Option<[Part; 2]> {
+fn divide((states, params): &Set, passage: &Passage) -> Option<[Set; 2]> {
     let form = &passage.last;
     let weights = if passage.torn.iter().any(|weight| *weight > 0.0) {
         passage.torn.clone()
@@ -255,18 +371,4 @@ fn divide((states, params): &Part, passage: &Passage) -> Option<[Part; 2]> {
         }
     }
     Some(halves)
-}
-
-/// Hulls of boxes, one by one, as far as both lists go.
-fn merge(into: &mut Vec<Vec<Interval>>, from: Vec<Vec<Interval>>, is_first: bool) {
-    if is_first {
-        *into = from;
-        return;
-    }
-    into.truncate(from.len());
-    for (into, from) in into.iter_mut().zip(from) {
-        for (x, y) in into.iter_mut().zip(from) {
-            *x = x.hull(y);
-        }
-    }
 }

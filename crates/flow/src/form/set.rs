@@ -386,6 +386,17 @@ impl Form {
         largest
     }
 
+    /// How much of the width of a state each unknown decides.
+    pub(super) fn shares(&self, state: usize) -> Vec<(Unknown, f64)> {
+        let polynomial = &self.states[state];
+        let all: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
+        let all = all + self.frame.hull()[state].rad() + 1e-300;
+        let slopes = self.unknowns.iter().zip(&polynomial[1..]);
+        slopes
+            .map(|(range, x)| (range.unknown, x.abs() / all))
+            .collect()
+    }
+
     /// How far from linear the states depend on each unknown.
     pub(super) fn curvature(&self) -> Vec<f64> {
         let mut curvature = vec![0.0; self.unknowns.len()];

@@ -35,6 +35,8 @@ pub enum Obstacle {
     /// The set, or an input, may leave the domain in which the guards of the modes are proved to leave no
     /// gap.
     LeavesDomain,
+    /// Whoever watched did not want to go on.
+    Interrupted,
 }
 
 /// Scratch for steps of one shape of forms.

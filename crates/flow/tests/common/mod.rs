@@ -9,6 +9,7 @@
     reason = "a test fails by panicking; every test file uses a part of this"
 )]
 
+pub mod case;
 pub mod hybrid;
 pub mod jumping;
 pub mod models;

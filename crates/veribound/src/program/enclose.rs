@@ -110,7 +110,7 @@ fn write(
 fn table(model: &Model, times: &[Decimal], enclosure: &Enclosure, seconds: f64) -> String {
     let mut text = String::new();
     let time = times.last().map_or_else(String::new, Decimal::to_string);
-    let parts = match enclosure.parts {
+    let parts = match enclosure.parts.len() {
         1 => String::new(),
         parts => format!(", divided into {parts} parts"),
     };
@@ -136,6 +136,7 @@ fn why(model: &Model, diverged: &Diverged, times: &[Decimal]) -> String {
         Obstacle::Undefined => "a function may be undefined, or not smooth, on the set",
         Obstacle::Jump => "the right-hand side may jump on the set",
         Obstacle::Unbounded => "numbers became too large",
+        Obstacle::Interrupted => "the run was interrupted",
         Obstacle::LeavesDomain => {
             "the set, or an input, may leave the domain in which the guards are proved to leave no gap"
         }
