@@ -2,10 +2,12 @@
 //!
 //! A model is compiled once into a [`System`]; [`System::step`] then moves boxes of states over
 //! stretches of time such that no Filippov solution is lost. [`form`] moves sets that keep how states
-//! depend on start values and parameters, across switches too.
+//! depend on start values and parameters, across switches too; [`comparison`] bounds monotone systems by two
+//! solutions.
 
 mod advance;
 mod apriori;
+pub mod comparison;
 mod face;
 pub mod form;
 mod guard;

@@ -45,6 +45,16 @@ impl Layout {
         }
     }
 
+    /// The quantity at a position of the flat list.
+    pub fn var(self, index: usize) -> Var {
+        let after = |count: usize| index.checked_sub(count);
+        match (after(self.states), after(self.states + self.params)) {
+            (None, _) => Var::State(index),
+            (Some(param), None) => Var::Param(param),
+            (_, Some(input)) => Var::Input(input),
+        }
+    }
+
     /// Number of quantities.
     pub fn len(self) -> usize {
         self.states + self.params + self.inputs

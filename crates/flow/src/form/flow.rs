@@ -117,6 +117,11 @@ impl Flow {
         Ok(())
     }
 
+    /// Encloses the outputs wherever they are defined on a box of states, parameters and inputs.
+    pub(crate) fn outputs_on(&self, quantities: &[Interval]) -> Vec<Interval> {
+        self.outputs.on_box(quantities)
+    }
+
     /// The regime on a box of states, parameters and inputs.
     pub(super) fn resolve(&self, field: Option<&Field>, signs: &[Signs]) -> Option<Regime> {
         let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);

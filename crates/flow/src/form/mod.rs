@@ -81,7 +81,7 @@ mod series;
 mod set;
 mod size;
 mod step;
-mod surfaces;
+pub(crate) mod surfaces;
 mod transport;
 mod watching;
 

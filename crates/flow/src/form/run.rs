@@ -75,6 +75,43 @@ pub struct Enclosure {
     pub stopped: Option<Diverged>,
 }
 
+impl Enclosure {
+    /// What both prove of the same solutions on their way through the same stretches; the longer one goes on
+    /// alone, and tells of parts and shares.
+    pub fn both(self, other: Enclosure) -> Enclosure {
+        let (mut longer, mut shorter) = if other.ends.len() > self.ends.len() {
+            (other, self)
+        } else {
+            (self, other)
+        };
+        let mut proved = longer.take_proved();
+        proved.restrict(&shorter.take_proved());
+        longer.steps += shorter.steps;
+        longer.with(proved)
+    }
+
+    fn take_proved(&mut self) -> Proved {
+        let mut proved = Proved::default();
+        proved.ends = std::mem::take(&mut self.ends);
+        proved.tubes = std::mem::take(&mut self.tubes);
+        proved.outputs = std::mem::take(&mut self.outputs);
+        proved.output_tubes = std::mem::take(&mut self.output_tubes);
+        proved.modes = std::mem::take(&mut self.modes);
+        proved
+    }
+
+    fn with(self, proved: Proved) -> Enclosure {
+        Enclosure {
+            ends: proved.ends,
+            tubes: proved.tubes,
+            outputs: proved.outputs,
+            output_tubes: proved.output_tubes,
+            modes: proved.modes,
+            ..self
+        }
+    }
+}
+
 /// A part of the start set, and where it went.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
@@ -248,15 +285,7 @@ impl Flow {
                 }
             }
         }
-        let all = all.unwrap_or_default();
-        Enclosure {
-            ends: all.ends,
-            tubes: all.tubes,
-            outputs: all.outputs,
-            output_tubes: all.output_tubes,
-            modes: all.modes,
-            ..result
-        }
+        result.with(all.unwrap_or_default())
     }
 
     /// The passage of the lowest degree that is good enough, or the best one.

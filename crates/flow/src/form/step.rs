@@ -37,6 +37,8 @@ pub enum Obstacle {
     LeavesDomain,
     /// Whoever watched did not want to go on.
     Interrupted,
+    /// Comparison bounds end: the right-hand side is not proved to be monotone.
+    NotMonotone,
 }
 
 /// Scratch for steps of one shape of forms.

@@ -9,17 +9,17 @@ use veribound_model::{ExprId, Graph, Guard, Model, Relation, Var};
 
 /// The signs that an expression can have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Signs(u8);
+pub(crate) struct Signs(u8);
 
 impl Signs {
-    pub(super) const NONE: Signs = Signs(0);
-    pub(super) const NEGATIVE: Signs = Signs(1);
-    pub(super) const ZERO: Signs = Signs(2);
-    pub(super) const POSITIVE: Signs = Signs(4);
-    pub(super) const ANY: Signs = Signs(7);
+    pub(crate) const NONE: Signs = Signs(0);
+    pub(crate) const NEGATIVE: Signs = Signs(1);
+    pub(crate) const ZERO: Signs = Signs(2);
+    pub(crate) const POSITIVE: Signs = Signs(4);
+    pub(crate) const ANY: Signs = Signs(7);
 
     /// Those of the numbers in an interval.
-    pub(super) fn of(x: Interval) -> Signs {
+    pub(crate) fn of(x: Interval) -> Signs {
         let mut signs = Signs::NONE;
         if x.lo() < 0.0 {
             signs = signs.or(Signs::NEGATIVE);
@@ -34,38 +34,38 @@ impl Signs {
     }
 
     /// The sign that is certain, if it is not zero.
-    pub(super) fn strict(x: Interval) -> Option<Signs> {
+    pub(crate) fn strict(x: Interval) -> Option<Signs> {
         match Signs::of(x) {
             signs @ (Signs::NEGATIVE | Signs::POSITIVE) => Some(signs),
             _ => None,
         }
     }
 
-    pub(super) const fn or(self, other: Signs) -> Signs {
+    pub(crate) const fn or(self, other: Signs) -> Signs {
         Signs(self.0 | other.0)
     }
 
-    pub(super) fn and(self, other: Signs) -> Signs {
+    pub(crate) fn and(self, other: Signs) -> Signs {
         Signs(self.0 & other.0)
     }
 
-    pub(super) fn within(self, other: Signs) -> bool {
+    pub(crate) fn within(self, other: Signs) -> bool {
         self.0 & !other.0 == 0
     }
 
-    pub(super) fn has(self, other: Signs) -> bool {
+    pub(crate) fn has(self, other: Signs) -> bool {
         self.and(other) != Signs::NONE
     }
 
     /// Of the negated expression.
-    pub(super) fn flipped(self) -> Signs {
+    pub(crate) fn flipped(self) -> Signs {
         Signs(self.0 & 2 | self.0 >> 2 | (self.0 & 1) << 2)
     }
 }
 
 /// A guard in terms of signs, border included.
 #[derive(Debug, Clone)]
-pub(super) enum Formula {
+pub(crate) enum Formula {
     Always,
     Sign { surface: usize, allowed: Signs },
     All(Vec<Formula>),
@@ -74,7 +74,7 @@ pub(super) enum Formula {
 
 impl Formula {
     /// False only where the guard holds nowhere, nor on its border.
-    pub(super) fn possible(&self, signs: &[Signs]) -> bool {
+    pub(crate) fn possible(&self, signs: &[Signs]) -> bool {
         match self {
             Formula::Always => true,
             Formula::Sign { surface, allowed } => signs[*surface].has(*allowed),
@@ -84,7 +84,7 @@ impl Formula {
     }
 
     /// True only in the inside of the region.
-    pub(super) fn certain(&self, signs: &[Signs]) -> bool {
+    pub(crate) fn certain(&self, signs: &[Signs]) -> bool {
         match self {
             Formula::Always => true,
             Formula::Sign { surface, allowed } => {
@@ -100,7 +100,7 @@ impl Formula {
     }
 
     /// Adds the surfaces it asks for.
-    pub(super) fn surfaces(&self, into: &mut Vec<usize>) {
+    pub(crate) fn surfaces(&self, into: &mut Vec<usize>) {
         match self {
             Formula::Always => {}
             Formula::Sign { surface, .. } => {
@@ -119,26 +119,26 @@ impl Formula {
 
 /// An expression whose sign a guard asks for.
 #[derive(Debug, Clone)]
-pub(super) struct Surface {
-    pub(super) expr: ExprId,
+pub(crate) struct Surface {
+    pub(crate) expr: ExprId,
     /// State and slope.
-    pub(super) gradient: Vec<(usize, ExprId)>,
+    pub(crate) gradient: Vec<(usize, ExprId)>,
     /// The inputs it depends on.
-    pub(super) inputs: Vec<usize>,
+    pub(crate) inputs: Vec<usize>,
 }
 
 /// All surfaces of a model, and its guards in terms of them.
 #[derive(Debug, Clone)]
-pub(super) struct Surfaces {
-    pub(super) list: Vec<Surface>,
+pub(crate) struct Surfaces {
+    pub(crate) list: Vec<Surface>,
     /// Of every mode.
-    pub(super) modes: Vec<Formula>,
+    pub(crate) modes: Vec<Formula>,
     /// Of every jump.
-    pub(super) jumps: Vec<Formula>,
+    pub(crate) jumps: Vec<Formula>,
 }
 
 impl Surfaces {
-    pub(super) fn of(graph: &mut Graph, model: &Model) -> Surfaces {
+    pub(crate) fn of(graph: &mut Graph, model: &Model) -> Surfaces {
         let mut list = Vec::new();
         let modes: Vec<&Guard> = model.modes.iter().map(|mode| &mode.guard).collect();
         let jumps: Vec<&Guard> = model.jumps.iter().map(|jump| &jump.guard).collect();

@@ -13,6 +13,7 @@ pub mod case;
 pub mod hybrid;
 pub mod jumping;
 pub mod models;
+pub mod monotone;
 pub mod smooth;
 pub mod truth;
 

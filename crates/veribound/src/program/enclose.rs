@@ -137,6 +137,7 @@ fn why(model: &Model, diverged: &Diverged, times: &[Decimal]) -> String {
         Obstacle::Jump => "the right-hand side may jump on the set",
         Obstacle::Unbounded => "numbers became too large",
         Obstacle::Interrupted => "the run was interrupted",
+        Obstacle::NotMonotone => "the right-hand side is not proved to be monotone",
         Obstacle::LeavesDomain => {
             "the set, or an input, may leave the domain in which the guards are proved to leave no gap"
         }
