@@ -63,7 +63,7 @@ mod rates;
 mod run;
 mod walk;
 
-pub use run::{Cause, Compared, Disorder};
+pub use run::{Cause, Compared, Disorder, Outlook};
 
 use crate::form::surfaces::Surfaces;
 use rates::{Group, Influences, Rates};

@@ -66,6 +66,17 @@ pub struct Compared {
     pub disorders: Vec<Disorder>,
 }
 
+/// An order that holds on the start box, at the start.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outlook {
+    /// Uncertain quantities in the order.
+    pub corners: Vec<Var>,
+    /// Uncertain quantities that have no place in it.
+    pub kept: Vec<Var>,
+    /// What stood in the way of an order of all quantities.
+    pub disorders: Vec<Disorder>,
+}
+
 /// The stretches cut into pieces.
 pub(super) struct Pieces {
     pub(super) list: Vec<Stretch>,
@@ -127,6 +138,19 @@ pub(super) struct Known {
     wide: Vec<bool>,
 }
 
+impl Known {
+    /// Keeps the state that a disorder is about, which is no slope; false where there is none, or it is kept.
+    fn keep(&mut self, disorder: Disorder) -> bool {
+        self.disorders.push(disorder);
+        match disorder.cause {
+            Cause::Switch { state } | Cause::Undefined { state } => {
+                !std::mem::replace(&mut self.kept[state], true)
+            }
+            _ => false,
+        }
+    }
+}
+
 impl Comparison {
     /// Encloses all solutions that start in `states` with parameters in `params`, over all stretches, between
     /// two corners; `flow` is the same model, and `go_on` is asked at every step whether to go on.
@@ -155,7 +179,7 @@ impl Comparison {
             slopes: Slopes::new(self.layout.states, self.layout.len()),
             kept: vec![false; self.layout.states],
             disorders: Vec::new(),
-            wide: self.wide(&question, stretches),
+            wide: self.wide((states, params), stretches),
         };
         let mut pieces = Pieces::cut(stretches, 1.0);
         let mut is_fine = false;
@@ -178,7 +202,7 @@ impl Comparison {
             };
             // The corners begin with the start box between them.
             let first = pieces.list.first().and_then(|piece| {
-                self.fails(&question, (states, piece), &order, (&mut known, 0.0))
+                self.fails((states, params, &piece.inputs), &order, (&mut known, 0.0))
             });
             let broken = match first {
                 Some(cause) => Some(Disorder { cause, since: 0.0 }),
@@ -201,19 +225,11 @@ impl Comparison {
             };
             let goes_on = match broken {
                 None => false,
-                Some(Disorder { cause, .. }) => match cause {
+                Some(disorder) => match disorder.cause {
                     Cause::Slope { .. } => true,
-                    Cause::Switch { state } | Cause::Undefined { state } => {
-                        !std::mem::replace(&mut known.kept[state], true)
-                    }
-                    Cause::Jump | Cause::LeavesDomain => false,
+                    _ => known.keep(disorder),
                 },
             };
-            if let Some(disorder) = broken
-                && !matches!(disorder.cause, Cause::Slope { .. })
-            {
-                known.disorders.push(disorder);
-            }
             if !goes_on {
                 let disorders = self.disorders(&known, Some(&order));
                 return match found {
@@ -224,9 +240,52 @@ impl Comparison {
         }
     }
 
+    /// The order with which a run begins, and what has no place in it.
+    pub fn outlook(
+        &self,
+        states: &[Interval],
+        params: &[Interval],
+        stretches: &[Stretch],
+    ) -> Outlook {
+        let mut known = Known {
+            slopes: Slopes::new(self.layout.states, self.layout.len()),
+            kept: vec![false; self.layout.states],
+            disorders: Vec::new(),
+            wide: self.wide((states, params), stretches),
+        };
+        loop {
+            let mut order = self.order(&mut known);
+            let broken = order.as_ref().zip(stretches.first());
+            let broken = broken.and_then(|(order, first)| {
+                self.fails((states, params, &first.inputs), order, (&mut known, 0.0))
+            });
+            if let Some(cause) = broken {
+                let keeps = match cause {
+                    Cause::Slope { .. } => true,
+                    _ => known.keep(Disorder { cause, since: 0.0 }),
+                };
+                if keeps {
+                    continue;
+                }
+                order = None;
+            }
+            let disorders = self.disorders(&known, order.as_ref());
+            let (corners, kept) = self.places(order.as_ref(), &known);
+            return Outlook {
+                corners,
+                kept,
+                disorders,
+            };
+        }
+    }
+
     /// Quantities that are uncertain, for any time.
-    fn wide(&self, question: &Question<'_>, stretches: &[Stretch]) -> Vec<bool> {
-        let start = question.states.iter().chain(question.params);
+    fn wide(
+        &self,
+        (states, params): (&[Interval], &[Interval]),
+        stretches: &[Stretch],
+    ) -> Vec<bool> {
+        let start = states.iter().chain(params);
         let mut wide: Vec<bool> = start.map(|x| !x.is_point()).collect();
         let inputs = 0..self.layout.inputs;
         wide.extend(inputs.map(|input| stretches.iter().any(|s| !s.inputs[input].is_point())));
@@ -290,15 +349,21 @@ impl Comparison {
         known: &Known,
         disorders: Vec<Disorder>,
     ) -> Compared {
+        let (corners, kept) = self.places(order, known);
+        Compared {
+            enclosure,
+            corners,
+            kept,
+            disorders,
+        }
+    }
+
+    /// Uncertain quantities in the order, and the others.
+    fn places(&self, order: Option<&Order>, known: &Known) -> (Vec<Var>, Vec<Var>) {
         let ordered = |q: &usize| order.is_some_and(|order| order.sign[*q] != 0);
         let uncertain = (0..known.wide.len()).filter(|q| known.wide[*q]);
         let (corners, kept): (Vec<usize>, Vec<usize>) = uncertain.partition(ordered);
         let names = |list: Vec<usize>| list.into_iter().map(|q| self.layout.var(q)).collect();
-        Compared {
-            enclosure,
-            corners: names(corners),
-            kept: names(kept),
-            disorders,
-        }
+        (names(corners), names(kept))
     }
 }

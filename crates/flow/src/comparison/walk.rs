@@ -103,7 +103,11 @@ impl Comparison {
     ) -> (usize, Option<Disorder>) {
         let mut since = 0.0;
         for (held, (tube, piece)) in bounds.tubes.iter().zip(&pieces.list).enumerate() {
-            if let Some(cause) = self.fails(question, (tube, piece), order, (known, since)) {
+            if let Some(cause) = self.fails(
+                (tube, question.params, &piece.inputs),
+                order,
+                (known, since),
+            ) {
                 return (held, Some(Disorder { cause, since }));
             }
             since += piece.dt.lo();
@@ -114,15 +118,14 @@ impl Comparison {
     /// Why the order does not hold on a box of states; slopes that do not fit become known.
     pub(super) fn fails(
         &self,
-        question: &Question<'_>,
-        (states, piece): (&[Interval], &Stretch),
+        (states, params, inputs): (&[Interval], &[Interval], &[Interval]),
         order: &Order,
         (known, time): (&mut Known, f64),
     ) -> Option<Cause> {
-        if !self.is_in_domain(states, &piece.inputs) {
+        if !self.is_in_domain(states, inputs) {
             return Some(Cause::LeavesDomain);
         }
-        let place = Place::new(states, question.params, &piece.inputs);
+        let place = Place::new(states, params, inputs);
         let slopes = self.slopes(&place, order);
         slopes.map_or_else(Some, |slopes| self.misfit(&slopes, order, known, time))
     }

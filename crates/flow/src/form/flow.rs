@@ -117,6 +117,11 @@ impl Flow {
         Ok(())
     }
 
+    /// The model compiled for boxes.
+    pub(crate) fn system(&self) -> &System {
+        &self.system
+    }
+
     /// Encloses the outputs wherever they are defined on a box of states, parameters and inputs.
     pub(crate) fn outputs_on(&self, quantities: &[Interval]) -> Vec<Interval> {
         self.outputs.on_box(quantities)

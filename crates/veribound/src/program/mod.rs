@@ -5,6 +5,7 @@ mod assumptions;
 mod check;
 mod enclose;
 mod ending;
+mod engine;
 mod explain;
 mod files;
 mod flags;

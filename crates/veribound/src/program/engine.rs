@@ -1,0 +1,93 @@
+//! What the program says of engines.
+
+use veribound_flow::comparison::{Cause, Comparison, Disorder, Outlook};
+use veribound_flow::form::Stretch;
+use veribound_interval::Interval;
+use veribound_model::{Model, Var};
+
+/// The order on the start box, with recorded inputs that may have any value and are uncertain where the model
+/// says so.
+pub fn outlook(model: &Model, comparison: &Comparison) -> Outlook {
+    let start: Vec<Interval> = model.states.iter().map(|state| state.init).collect();
+    let params: Vec<Interval> = model.params.iter().map(|param| param.bounds).collect();
+    let inputs = model.inputs.iter().map(|input| {
+        let exact = input.error.absolute.is_zero() && input.error.relative.is_zero();
+        match (input.within, exact) {
+            (Some(bounds), _) => bounds,
+            (None, true) => Interval::ZERO,
+            (None, false) => input.domain.unwrap_or(Interval::ENTIRE),
+        }
+    });
+    let first = Stretch {
+        inputs: inputs.collect(),
+        dt: Interval::ZERO,
+    };
+    comparison.outlook(&start, &params, &[first])
+}
+
+/// Which engine `enclose` will take, and why, in one line.
+pub fn plan(model: &Model, outlook: &Outlook) -> String {
+    let reason = outlook.disorders.first().map(|d| why(model, d));
+    let names = |list: &[Var]| -> String {
+        let quoted: Vec<String> = list.iter().map(|var| name(model, *var)).collect();
+        quoted.join(", ")
+    };
+    match (outlook.corners.is_empty(), outlook.kept.is_empty(), reason) {
+        (true, _, None) => "engine: forms (nothing is uncertain that could be ordered)".to_string(),
+        (true, _, Some(reason)) => format!("engine: forms ({reason})"),
+        (false, true, _) => format!(
+            "engine: comparison of two corners, exact hulls as long as the right-hand side stays monotone, as it is on \
+             the start box (in {}); forms from then on",
+            names(&outlook.corners)
+        ),
+        (false, false, reason) => format!(
+            "engine: forms, and where they are not tight comparison of two corners in {}, not in {}{}",
+            names(&outlook.corners),
+            names(&outlook.kept),
+            reason.map_or(String::new(), |reason| format!(" ({reason})"))
+        ),
+    }
+}
+
+/// What stood in the way of an order.
+pub fn why(model: &Model, disorder: &Disorder) -> String {
+    let rate = |state: usize| {
+        let state = model.states.get(state);
+        format!("{}'", state.map_or("", |state| state.name.as_str()))
+    };
+    match disorder.cause {
+        Cause::Slope { of, by, value } => {
+            let by = name(model, by);
+            match (value.lo() >= 0.0, value.hi() <= 0.0) {
+                (false, false) => format!("{} both rises and falls with {by}", rate(of)),
+                (rises, _) => format!(
+                    "{} {} with {by}, against what other slopes ask for",
+                    rate(of),
+                    if rises { "rises" } else { "falls" }
+                ),
+            }
+        }
+        Cause::Switch { state } => format!(
+            "{} switches, not only downwards at a level of its own",
+            rate(state)
+        ),
+        Cause::Undefined { state } => {
+            format!("{} or a slope of it may be undefined or jump", rate(state))
+        }
+        Cause::Jump => "the state may jump".to_string(),
+        Cause::LeavesDomain => {
+            "the set may leave the domain in which the guards are proved to leave no gap"
+                .to_string()
+        }
+    }
+}
+
+/// The user's name of a quantity.
+fn name(model: &Model, var: Var) -> String {
+    let name = match var {
+        Var::State(i) => model.states.get(i).map(|state| &state.name),
+        Var::Param(i) => model.params.get(i).map(|param| &param.name),
+        Var::Input(i) => model.inputs.get(i).map(|input| &input.name),
+    };
+    name.cloned().unwrap_or_default()
+}
