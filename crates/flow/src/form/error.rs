@@ -16,7 +16,7 @@ use super::convolve::convolve;
 use super::function::Functions;
 use super::monomials::Monomials;
 use super::outward::{UNIT, is_lost, powers, raised};
-use super::series::Series;
+use super::series::{Bend, Series};
 use super::size::Size;
 use super::step::Obstacle;
 use veribound_interval::lanes::{Arithmetic, Kernel, Value};
@@ -82,6 +82,8 @@ pub(super) struct Errors {
     pub(super) weights: Vec<f64>,
     pub(super) sizes: Vec<Size>,
     own: Vec<f64>,
+    /// What absolute values and signs are taken for.
+    bends: Vec<Bend>,
 }
 
 impl Errors {
@@ -92,6 +94,7 @@ impl Errors {
             weights: vec![0.0; stride],
             sizes: vec![Size::new(monomials, stride); count],
             own: vec![0.0; count],
+            bends: vec![Bend::default(); count],
         }
     }
 
@@ -131,8 +134,23 @@ impl Errors {
             };
             self.own[register] = match step.op {
                 Op::Constant(_) | Op::Param(_) | Op::Input(_) => given(step.op),
-                Op::State(_) | Op::Sign(_) | Op::Impulse(_) => 0.0,
-                Op::Neg(a) | Op::Abs(a) => cut(a),
+                Op::State(_) | Op::Impulse(_) => 0.0,
+                Op::Sign(a) => {
+                    self.bends[register] = Bend::of(series.block(a), series.stride);
+                    0.0
+                }
+                Op::Neg(a) => cut(a),
+                Op::Abs(a) => {
+                    let bend = Bend::of(series.block(a), series.stride);
+                    self.bends[register] = bend;
+                    // A sign alone rounds nothing.
+                    let rounding = if bend.shift == 0.0 {
+                        0.0
+                    } else {
+                        2.0 * rounded
+                    };
+                    raised(rounding + cut(a), 2)
+                }
                 Op::Add(a, b) | Op::Sub(a, b) => raised(rounded + cut(a) + cut(b), 2),
                 Op::Mul(a, b) if certain(a) => raised(rounded + sizes[a].total * cut(b), 3),
                 Op::Mul(a, b) if certain(b) => raised(rounded + sizes[b].total * cut(a), 3),
@@ -229,10 +247,11 @@ impl Errors {
                     let steepest = list.get(1).map_or(f64::INFINITY, |slope| slope.mag());
                     raised(own + radii[operand] * steepest, 3)
                 }
-                // With the sign s of the constant, |s y - |y|| = 2 max(0, -s y) for the true value y.
+                // |y| - (m a + c) = (|y| - m y - c) + m (y - a) with |m| <= 1 for the true value y.
                 Op::Abs(a) => {
-                    let over = reach(a, radii) - sizes[a].centre.abs();
-                    raised(own + radii[a] + 2.0 * over.max(0.0), 4)
+                    let (centre, reach) = (sizes[a].centre, reach(a, radii));
+                    let (lo, hi) = (centre - reach, centre + reach);
+                    raised(own + radii[a] + self.bends[register].error(lo, hi), 2)
                 }
                 Op::Impulse(a) if reach(a, radii) < sizes[a].centre.abs() => 0.0,
                 Op::Impulse(_) => return Err(Trouble::Jump),
@@ -241,7 +260,7 @@ impl Errors {
                     match (decided, step.primary) {
                         (true, _) => 0.0,
                         // Stands in a derivative only: the generalised one.
-                        (false, false) => 2.0,
+                        (false, false) => raised(1.0 + self.bends[register].slope.abs(), 1),
                         (false, true) => return Err(Trouble::Jump),
                     }
                 }

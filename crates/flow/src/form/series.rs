@@ -12,6 +12,7 @@ use super::code::{Code, Op};
 use super::convolve::{LANES, convolve_rows};
 use super::function::Functions;
 use super::monomials::Monomials;
+use super::outward::{UNIT, raised};
 use veribound_interval::lanes::{Arithmetic, Kernel};
 use veribound_interval::{Interval, Interval8};
 
@@ -27,6 +28,57 @@ pub(super) struct Series {
     backwards: Vec<f64>,
     row: Vec<f64>,
     other: Vec<f64>,
+}
+
+/// What an absolute value is taken for: `slope * y + shift`.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Bend {
+    pub(super) slope: f64,
+    pub(super) shift: f64,
+}
+
+impl Bend {
+    /// That of the polynomial in `block` at time zero. Where it has one sign, this is exact; else the straight
+    /// line that is nowhere farther from the absolute value than half of the way from the kink to the secant.
+    #[inline(always)]
+    pub(super) fn of(block: &[f64], stride: usize) -> Bend {
+        let centre = block[0];
+        let spread: f64 = block[stride..]
+            .iter()
+            .step_by(stride)
+            .map(|x| x.abs())
+            .sum();
+        if spread > centre.abs() && spread.is_finite() {
+            let (above, below) = (spread + centre, spread - centre);
+            Bend {
+                slope: centre / spread,
+                shift: 0.5 * above * (below / spread),
+            }
+        } else {
+            let slope = if centre < 0.0 { -1.0 } else { 1.0 };
+            Bend { slope, shift: 0.0 }
+        }
+    }
+
+    /// How far it is from the absolute value for `y` from `lo` to `hi`: the difference is linear on both sides
+    /// of zero. The bounds may be off by a rounding.
+    pub(super) fn error(self, lo: f64, hi: f64) -> f64 {
+        let at = |y: f64| {
+            let line = self.slope * y + self.shift;
+            let size = y.abs() + (self.slope * y).abs() + self.shift.abs();
+            (y.abs() - line).abs() + 4.0 * UNIT * size
+        };
+        let kink = if lo <= 0.0 && hi >= 0.0 {
+            self.shift.abs()
+        } else {
+            0.0
+        };
+        let exact = (self.slope >= 1.0 && lo >= 0.0) || (self.slope <= -1.0 && hi <= 0.0);
+        if exact && self.shift == 0.0 {
+            return 0.0;
+        }
+        raised(at(lo).max(at(hi)).max(kink), 4)
+    }
 }
 
 /// A function was asked for where it is not defined.
@@ -256,15 +308,18 @@ impl Series {
                 }
                 Op::Abs(a) => {
                     let a = self.block(a);
-                    let sign = if a[0] < 0.0 { -1.0 } else { 1.0 };
+                    let Bend { slope, shift } = Bend::of(a, k);
                     for (c, slot) in row.iter_mut().enumerate() {
-                        *slot = sign * a[c * k + j];
+                        *slot = slope * a[c * k + j];
+                    }
+                    if j == 0 {
+                        row[0] += shift;
                     }
                 }
                 Op::Impulse(_) => row.fill(0.0),
                 Op::Sign(a) => {
                     row.fill(0.0);
-                    row[0] = if self.block(a)[0] < 0.0 { -1.0 } else { 1.0 };
+                    row[0] = Bend::of(self.block(a), k).slope;
                 }
             }
             self.store(register, j, row);
