@@ -4,8 +4,8 @@
 //!   a time; every number means the decimal it spells.
 //! - [`TableReader`]: any table of text, row by row, by the same rules.
 //! - [`ResultFolder`]: where the files of a run go; the results are those of one run, all or none.
-//! - [`TableWriter`]: `states.csv`, `params.csv`, `boxes.csv`; [`Summary`]: `summary.json`;
-//!   [`RunInfo`]: `run.toml`.
+//! - [`TableWriter`]: `states.csv`, `params.csv`, `boxes.csv`, and `tube.csv`, `parts.csv` of an enclosure;
+//!   [`Summary`], [`EnclosureSummary`]: `summary.json`; [`RunInfo`]: `run.toml`.
 //! - [`Start`]: the parameters of an earlier run, to go on from.
 //!
 //! *Guarantee*: intervals are printed rounded outward, so that what is printed contains what was
@@ -21,6 +21,9 @@ mod results;
 pub use digest::sha256_of_file;
 pub use reader::table::{TableReader, TableRow};
 pub use record::{Record, RecordOptions, Samples};
+pub use results::enclosed::{
+    EnclosureSummary, EnclosureWork, PastUse, RangeSummary, Reach, Time, Trajectories,
+};
 pub use results::folder::{CompleteFile, ResultFile, ResultFolder};
 pub use results::run_info::{FileInfo, Platform, Program, RecordInfo, RunInfo};
 pub use results::start::Start;

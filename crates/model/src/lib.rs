@@ -20,7 +20,7 @@ pub use facts::{Facts, ModeFacts};
 pub use graph::{Binary, Choice, ExprId, Graph, Level, Names, Node, Unary, Var};
 pub use model::{
     Coverage, ErrorBound, Guard, Input, Jump, Mode, ModeGroup, Model, Output, Param, Relation,
-    Reset, Sample, Signal, State,
+    Reset, Sample, Signal, State, Term,
 };
 pub use regular::Regular;
 pub use series::{Coefficients, SeriesTape};

@@ -38,6 +38,8 @@ pub struct Model {
     pub outputs: Vec<Output>,
     /// Binary signals, and what they prove.
     pub signals: Vec<Signal>,
+    /// What the right-hand sides of the states are sums of, as it is written.
+    pub terms: Vec<Term>,
     /// What is known about the guards leaving no gap.
     pub coverage: Coverage,
     /// What was made of the file beyond what it says, in sentences for the user.
@@ -232,6 +234,19 @@ pub enum Relation {
     Equal,
     /// `!= 0`
     NotEqual,
+}
+
+/// A term of a right-hand side, to be named in messages.
+#[derive(Debug, Clone)]
+pub struct Term {
+    /// Index into [`Model::states`] of the state whose derivative it belongs to.
+    pub state: usize,
+    /// Its value; of what switches in it, all values together.
+    pub expr: ExprId,
+    /// As the user wrote it.
+    pub text: String,
+    /// Line of the model file (first line is 1).
+    pub line: usize,
 }
 
 /// A measured output.

@@ -3,6 +3,8 @@
 mod bands;
 mod modes;
 mod outputs;
+mod plane;
+mod tube;
 mod work;
 
 use crate::axis::Axis;
@@ -16,7 +18,7 @@ use crate::theme;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     /// Name of the figure, and of its files without their ending: `outputs`, `params`, `states`,
-    /// `modes`, `work`.
+    /// `modes`, `work`, `plane`.
     pub name: &'static str,
     /// The picture as SVG text; `png` makes a PNG of it.
     pub svg: String,

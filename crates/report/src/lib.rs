@@ -1,6 +1,8 @@
 //! Figures of a run, as SVG and PNG: outputs with an enlarged stretch, parameters, states, modes
 //! and work over time.
 //!
+//! A [`Tube`] does the same for an enclosure without a record: bounds at all times, and the phase plane.
+//!
 //! A [`History`] is fed sample by sample and stays small however long the record is; it draws all
 //! [`Figure`]s, and [`png`] turns any of them into pixels. No band is ever drawn narrower than the
 //! bounds given for it: samples that share a column of the picture are joined into the hull of
@@ -43,6 +45,7 @@ mod ribbon;
 mod svg;
 mod theme;
 mod track;
+mod tube;
 mod zoom;
 
 pub use error::ReportError;
@@ -50,3 +53,4 @@ pub use figure::Figure;
 pub use history::{History, SampleRow};
 pub use meta::{FigureMeta, Parameter, Quantity, Zoom};
 pub use png::png;
+pub use tube::{Tube, TubeRow};

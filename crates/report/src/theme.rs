@@ -72,6 +72,29 @@ pub(crate) fn band(color: &str) -> String {
     )
 }
 
+/// Style of what holds at all times between those of the table.
+pub(crate) fn tube() -> String {
+    "fill=\"#BFDDF0\" stroke=\"#8FC1E2\" stroke-width=\"0.8\" stroke-linejoin=\"round\"".to_owned()
+}
+
+/// Style of a union of boxes: the edges between them are not seen.
+pub(crate) fn union() -> String {
+    "fill=\"#9CCBE8\" stroke=\"#9CCBE8\" stroke-width=\"1\" stroke-linejoin=\"round\"".to_owned()
+}
+
+/// Style of the set at the start.
+pub(crate) fn start() -> String {
+    format!(
+        "fill=\"{0}\" fill-opacity=\"0.38\" stroke=\"{0}\" stroke-width=\"0.8\"",
+        "#009E73"
+    )
+}
+
+/// Style of a true trajectory.
+pub(crate) fn trajectory() -> String {
+    format!("stroke=\"{INK}\" stroke-width=\"0.5\" stroke-linejoin=\"round\"")
+}
+
 /// Style of a measured band.
 pub(crate) fn measured() -> String {
     format!("fill=\"{GREY}\" stroke=\"{GREY_EDGE}\" stroke-width=\"0.5\" stroke-linejoin=\"round\"")

@@ -9,7 +9,8 @@
 use std::collections::BTreeSet;
 
 use veribound_report::{
-    Figure, FigureMeta, History, Parameter, Quantity, ReportError, SampleRow, Zoom, png,
+    Figure, FigureMeta, History, Parameter, Quantity, ReportError, SampleRow, Tube, TubeRow, Zoom,
+    png,
 };
 
 fn meta() -> FigureMeta {
@@ -277,4 +278,94 @@ fn text_is_drawn_without_any_font_of_the_machine() {
         png("no picture"),
         Err(ReportError::NotDrawable { .. })
     ));
+}
+
+/// An enclosure of two states and their sum, with two trajectories, of so many times.
+fn tube(count: u32) -> Tube {
+    let meta = FigureMeta {
+        outputs: vec![Quantity::new("sum", "m")],
+        states: vec![Quantity::new("x", "m"), Quantity::new("v", "m/s")],
+        modes: vec!["slip".to_owned(), "stick".to_owned()],
+        ..FigureMeta::default()
+    };
+    let mut tube = Tube::new(meta, Some((0, 1)), 2);
+    for k in 0..count {
+        let t = f64::from(k) * 0.05;
+        let (x, v, width) = (t.sin(), t.cos(), 0.02 + 0.01 * t);
+        let around = |x: f64, width: f64| (x - width, x + width);
+        let states = [around(x, width), around(v, width)];
+        let since = [around(x, width + 0.05), around(v, width + 0.05)];
+        let path = |share: f64| {
+            [x, v, x + v]
+                .map(|x| around(x + share * width, 0.0))
+                .to_vec()
+        };
+        // The second one gets lost.
+        let second = if k < count / 2 { path(0.5) } else { Vec::new() };
+        tube.push(&TubeRow {
+            t,
+            states: &states,
+            outputs: &[around(x + v, 2.0 * width)],
+            states_since: &since,
+            outputs_since: &[around(x + v, 2.0 * width + 0.1)],
+            modes: &[k % 40 < 30, k % 40 > 20],
+            trajectories: &[path(-0.5), second],
+        })
+        .expect("a row of the right shape");
+    }
+    tube.past_use(1, 2.0);
+    tube
+}
+
+#[test]
+fn an_enclosure_is_drawn_in_four_figures() {
+    for count in [1, 40, 400, 9000] {
+        let figures = tube(count).render_all();
+        let names: Vec<&str> = figures.iter().map(|figure| figure.name).collect();
+        assert_eq!(names, ["outputs", "states", "modes", "plane"]);
+        assert_drawable(&figures);
+        assert_eq!(figures, tube(count).render_all());
+        if let Some(place) = std::env::var_os("VERIBOUND_FIGURES") {
+            for figure in &figures {
+                let path =
+                    std::path::Path::new(&place).join(format!("{}-{count}.png", figure.name));
+                std::fs::write(path, png(&figure.svg).expect("a picture")).expect("a file");
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_of_another_shape_are_refused() {
+    let mut tube = tube(3);
+    let states = [(0.0, 1.0); 2];
+    let row = TubeRow {
+        t: 1.0,
+        states: &states,
+        outputs: &states[..1],
+        states_since: &states,
+        outputs_since: &states[..1],
+        modes: &[true, true],
+        trajectories: &[Vec::new(), Vec::new()],
+    };
+    let wrong = |row: TubeRow<'_>, tube: &mut Tube| {
+        let told = tube.push(&row).expect_err("a wrong row");
+        assert!(matches!(told, ReportError::Shape { .. }), "{told}");
+    };
+    wrong(
+        TubeRow {
+            states_since: &[],
+            ..row
+        },
+        &mut tube,
+    );
+    wrong(
+        TubeRow {
+            trajectories: &[],
+            ..row
+        },
+        &mut tube,
+    );
+    wrong(TubeRow { modes: &[], ..row }, &mut tube);
+    tube.push(&row).expect("a row of the right shape");
 }

@@ -82,6 +82,18 @@ impl Simulation {
         }
     }
 
+    /// Begins anew with other parameters, at another start.
+    pub fn restart(&mut self, params: &[Interval], start: &[Interval]) {
+        self.params = params.to_vec();
+        self.boxes = vec![start.to_vec()];
+        self.states = start.to_vec();
+    }
+
+    /// Makes so many internal steps for every stretch from now on.
+    pub fn divide(&mut self, steps: usize) {
+        self.steps = steps.max(1);
+    }
+
     /// The states now.
     pub fn states(&self) -> &[Interval] {
         &self.states

@@ -11,10 +11,18 @@ use veribound_model::diagnostic::Diagnostic;
 const MARK: &str = "summary.json";
 
 /// The tables of a run.
-const TABLES: [&str; 5] = [MARK, "run.toml", "states.csv", "params.csv", "boxes.csv"];
+const TABLES: [&str; 7] = [
+    MARK,
+    "run.toml",
+    "states.csv",
+    "params.csv",
+    "boxes.csv",
+    "tube.csv",
+    "parts.csv",
+];
 
 /// The figures of a run, in the folder `fig`.
-const FIGURES: [&str; 5] = ["outputs", "params", "states", "modes", "work"];
+const FIGURES: [&str; 6] = ["outputs", "params", "states", "modes", "work", "plane"];
 
 /// Where the files of a run go.
 ///

@@ -1,5 +1,6 @@
 //! Results out: the files of one run.
 
+pub(crate) mod enclosed;
 pub(crate) mod folder;
 mod number;
 pub(crate) mod run_info;

@@ -24,6 +24,9 @@ pub struct RunInfo {
     /// The record.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub record: Option<RecordInfo>,
+    /// The profile of the inputs, of a run without a record.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub profile: Option<RecordInfo>,
     /// The files of the run that this one started from.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub start: Vec<FileInfo>,
@@ -157,6 +160,7 @@ mod tests {
             platform: Platform::current(),
             model: FileInfo::of_text(Path::new("model.toml"), "format = 1\n"),
             record: None,
+            profile: None,
             start: Vec::new(),
             overlay: None,
             options,

@@ -113,7 +113,7 @@ pub struct Work {
 /// An interval, printed.
 #[derive(Debug, Clone, Serialize)]
 #[serde(untagged)]
-enum Ends {
+pub(super) enum Ends {
     Between { lo: Number, hi: Number },
     Nothing { empty: bool },
 }
@@ -174,19 +174,24 @@ impl Summary {
     ///
     /// *Errors*: `E0503` when it has no form in JSON.
     pub fn to_json(&self) -> Result<String, Diagnostic> {
-        let mut text = serde_json::to_string_pretty(self).map_err(|error| {
-            Diagnostic::new(
-                "E0503",
-                format!("the summary cannot be written as JSON: {error}"),
-            )
-        })?;
-        text.push('\n');
-        Ok(text)
+        to_json(self)
     }
 }
 
+/// The text of a summary.
+pub(super) fn to_json(summary: &impl Serialize) -> Result<String, Diagnostic> {
+    let mut text = serde_json::to_string_pretty(summary).map_err(|error| {
+        Diagnostic::new(
+            "E0503",
+            format!("the summary cannot be written as JSON: {error}"),
+        )
+    })?;
+    text.push('\n');
+    Ok(text)
+}
+
 impl Ends {
-    fn outward(bounds: Interval) -> Self {
+    pub(super) fn outward(bounds: Interval) -> Self {
         if bounds.is_empty() {
             return Ends::Nothing { empty: true };
         }
@@ -202,7 +207,7 @@ impl Ends {
 }
 
 /// A JSON object in the order of the list.
-fn by_name<T: Serialize, S: Serializer>(
+pub(super) fn by_name<T: Serialize, S: Serializer>(
     entries: &[(String, T)],
     serializer: S,
 ) -> Result<S::Ok, S::Error> {

@@ -87,6 +87,33 @@ impl Column {
             .collect()
     }
 
+    /// The columns of `tube.csv`: bounds of every state and output at the time, then since the time before, then
+    /// `modes`.
+    pub fn of_tube(model: &Model) -> Vec<Column> {
+        let states = model.states.iter().map(|state| state.name.clone());
+        let outputs = model.outputs.iter().map(|output| output.name.clone());
+        let names: Vec<String> = states.chain(outputs).collect();
+        let since = names.iter().map(|name| format!("{name}.since"));
+        let bounds = names.iter().cloned().chain(since).map(Column::Bounds);
+        bounds.chain(["modes"].map(Column::plain)).collect()
+    }
+
+    /// The columns of `parts.csv`: number of the part, bounds of every state at its start and of every parameter,
+    /// then of every state at the end.
+    pub fn of_parts(model: &Model) -> Vec<Column> {
+        let starts = model.states.iter();
+        let starts =
+            starts.map(|state| Column::Parameter(format!("{}.start", state.name), state.init));
+        let params = model.params.iter();
+        let params = params.map(|param| Column::Parameter(param.name.clone(), param.bounds));
+        let ends = model
+            .states
+            .iter()
+            .map(|state| Column::Bounds(state.name.clone()));
+        let first = ["part"].map(Column::plain).into_iter();
+        first.chain(starts).chain(params).chain(ends).collect()
+    }
+
     /// A column of anything but bounds.
     pub fn plain(name: &str) -> Column {
         Column::Plain(name.to_owned())

@@ -52,7 +52,7 @@ impl Journey<'_> {
         let start = self.form.hull();
         let params = self.form.param_box();
         let mut tries = 0;
-        let (end, tube, modes, moved) = loop {
+        let (end, tube, moved) = loop {
             let moved = if 1.1 * length >= self.left.hi() {
                 self.left
             } else {
@@ -63,9 +63,7 @@ impl Journey<'_> {
                 .system
                 .step(&mut states, &params, inputs, moved, &mut workspace)
             {
-                Ok(step) => {
-                    break (states, workspace.tube().to_vec(), step.modes_during, moved);
-                }
+                Ok(_) => break (states, workspace.tube().to_vec(), moved),
                 Err(_) if tries < SHORTENINGS && length > self.shortest() => {
                     tries += 1;
                     length = moved.hi() * 0.25;
@@ -90,7 +88,7 @@ impl Journey<'_> {
             .collect();
         form.elapsed = self.form.elapsed + moved;
         let outputs = self.outputs_on(&tube, inputs);
-        self.proved.pass(&outputs, modes);
+        self.proved.pass(&outputs, self.modes_on(&tube));
         self.proved.steps += 1;
         let ended = flow.switching.field(&self.quantities(&end, inputs));
         form.signs = ended.map_or(Vec::new(), |field| field.signs());
@@ -103,6 +101,22 @@ impl Journey<'_> {
         };
         self.acting = None;
         Ok(())
+    }
+
+    /// The modes of all groups whose guards, border included, can hold on a box.
+    fn modes_on(&self, states: &[Interval]) -> ModeSet {
+        let flow = self.flow;
+        let field = flow
+            .switching
+            .field(&self.quantities(states, self.inputs()));
+        let signs = field.map(|field| field.signs());
+        let mut modes = ModeSet::EMPTY;
+        for (mode, guard) in flow.switching.surfaces.modes.iter().enumerate() {
+            if signs.as_ref().is_none_or(|signs| guard.possible(signs)) {
+                modes.insert(mode);
+            }
+        }
+        modes
     }
 
     /// The form after `moved`, along one right-hand side of those possible on the tube.

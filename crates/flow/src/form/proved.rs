@@ -4,7 +4,9 @@
     reason = "PROOF: one entry per output; a tape has one result per output that is no state"
 )]
 
+use super::flow::Flow;
 use super::output::Output;
+use super::run::Stretch;
 use super::set::Form;
 use crate::modes::ModeSet;
 use veribound_interval::Interval;
@@ -160,6 +162,69 @@ impl Proved {
         }
     }
 }
+
+impl Flow {
+    /// Cuts tubes with how far solutions can be from where they are at both ends of a stretch.
+    ///
+    /// Proof. At almost all times of the stretch velocities are convex combinations of those of the modes that
+    /// act, on the tube; they are bounded by the hull, and so is their mean from either end. A state that may
+    /// jump is left out.
+    pub(super) fn tighten(
+        &self,
+        proved: &mut Proved,
+        (start, params): (&[Interval], &[Interval]),
+        stretches: &[Stretch],
+    ) {
+        let known = proved.len();
+        for (k, stretch) in stretches.iter().take(known).enumerate() {
+            let since = Interval::new(0.0, stretch.dt.hi()).unwrap_or(Interval::ENTIRE);
+            for _ in 0..ROUNDS {
+                let quantities = [&proved.tubes[k], params, &stretch.inputs].concat();
+                let Some(velocities) = self.velocities(&quantities, proved.modes[k]) else {
+                    break;
+                };
+                let (before, after) = match k {
+                    0 => (start, &proved.ends[0]),
+                    _ => (&proved.ends[k - 1][..], &proved.ends[k]),
+                };
+                let ends = before.iter().zip(after);
+                for ((x, (before, after)), v) in
+                    proved.tubes[k].iter_mut().zip(ends).zip(velocities)
+                {
+                    let moved = since * v;
+                    *x = x.intersect(*before + moved).intersect(*after - moved);
+                }
+            }
+            let quantities = [&proved.tubes[k], params, &stretch.inputs].concat();
+            let outputs = self.outputs.on_box(&quantities);
+            for (x, y) in proved.output_tubes[k].iter_mut().zip(outputs) {
+                *x = x.intersect(y);
+            }
+        }
+    }
+
+    /// The hull of the velocities in these modes; `None` where one is undefined, or something may jump.
+    fn velocities(&self, quantities: &[Interval], modes: ModeSet) -> Option<Vec<Interval>> {
+        let field = self.switching.field(quantities)?;
+        if self.switching.jump_possible(&field.signs()) {
+            return None;
+        }
+        let mut velocities = vec![Interval::EMPTY; self.layout.states];
+        for mode in modes.iter() {
+            let rates = self.switching.rates[mode].iter().zip(&field.rates[mode]);
+            for ((state, _), (_, rate)) in rates {
+                velocities[*state] = velocities[*state].hull(*rate);
+            }
+        }
+        velocities
+            .iter()
+            .all(|v| !v.is_empty())
+            .then_some(velocities)
+    }
+}
+
+/// Velocities on a tube that was cut are narrower again.
+const ROUNDS: usize = 2;
 
 fn cut(own: &mut Vec<Vec<Interval>>, other: &[Vec<Interval>]) {
     for (own, other) in own.iter_mut().zip(other) {

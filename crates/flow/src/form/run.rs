@@ -174,14 +174,17 @@ impl Passage {
         failure.is_some_and(|failure| failure.obstacle == Obstacle::Interrupted)
     }
 
-    /// Takes in what else is proved of all its solutions, on the way through `stretches` stretches.
-    fn restrict(&mut self, other: &Proved, stretches: usize) {
-        self.proved.restrict(other);
-        if self.proved.len() == stretches {
-            self.failure = None;
+    /// Takes in what else is proved of all its solutions.
+    fn restrict(&mut self, other: &Passed) {
+        if other.0.len() > self.proved.len() {
+            self.failure.clone_from(&other.1);
         }
+        self.proved.restrict(&other.0);
     }
 }
+
+/// What is proved of a set, and why no more.
+type Passed = (Proved, Option<Diverged>);
 
 /// What all passages go through, and who watches.
 struct Task<'a> {
@@ -224,7 +227,7 @@ impl Flow {
     ) -> Enclosure {
         let whole: Set = (states.to_vec(), params.to_vec());
         // Each with what was proved of it before it was divided.
-        let mut open: Vec<(Set, Option<Rc<Proved>>)> = vec![(whole, None)];
+        let mut open: Vec<(Set, Option<Rc<Passed>>)> = vec![(whole, None)];
         let mut all: Option<Proved> = None;
         let mut result = Enclosure::default();
         let mut widths = vec![-1.0; states.len()];
@@ -245,7 +248,7 @@ impl Flow {
             result.steps += passage.proved.steps;
             let excess = passage.excess();
             if let Some(before) = &before {
-                passage.restrict(before, stretches.len());
+                passage.restrict(before);
             }
             let divisible = result.parts.len() + open.len() + 2 <= effort.parts;
             let halves = if divisible && excess > effort.excess && !passage.is_interrupted() {
@@ -254,8 +257,8 @@ impl Flow {
                 None
             };
             if let Some(halves) = halves {
-                let proved = Rc::new(passage.proved);
-                open.extend(halves.map(|half| (half, Some(Rc::clone(&proved)))));
+                let passed = Rc::new((passage.proved, passage.failure));
+                open.extend(halves.map(|half| (half, Some(Rc::clone(&passed)))));
                 continue;
             }
             for (state, x) in passage.last.quick_hull().iter().enumerate() {
@@ -339,7 +342,7 @@ impl Flow {
             let is_over = other.is_interrupted();
             best = better;
             best.proved.steps += other.proved.steps;
-            best.restrict(&other.proved, task.stretches.len());
+            best.restrict(&(other.proved, other.failure));
             if is_over || (!helps && !has_failed) {
                 break;
             }
@@ -354,8 +357,10 @@ impl Flow {
         journey.most = most;
         journey.go_on = task.go_on;
         let failure = journey.run().err();
+        let mut proved = journey.proved;
+        self.tighten(&mut proved, (&part.0, &part.1), task.stretches);
         Passage {
-            proved: journey.proved,
+            proved,
             failure,
             last: journey.form,
             torn: journey.torn,

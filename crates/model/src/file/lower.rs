@@ -79,6 +79,13 @@ impl<'s> Lowering<'s> {
             .ok_or(problems)
     }
 
+    /// An expression whose range holds all values that a term of a right-hand side can have.
+    pub fn spanned(&mut self, ast: &Ast) -> Option<ExprId> {
+        let mut problems = Vec::new();
+        let e = self.value(ast, &mut problems)?;
+        self.unswitched(e, true)
+    }
+
     /// The guard of a mode.
     pub fn guard(&mut self, equation: &Equation) -> Result<Guard, Vec<Problem>> {
         let mut problems = Vec::new();

@@ -13,6 +13,7 @@ mod quantities;
 mod reader;
 mod scope;
 mod template;
+mod terms;
 mod text;
 
 use crate::coverage::{self, Finding};
@@ -231,6 +232,7 @@ fn model(reader: &mut Reader, file: &Table) -> Option<Model> {
         &states,
         &mut notes,
     )?;
+    let terms = terms::of(&reader.source, &mut lowering, &written);
     let graph = lowering.graph;
     if !reader.problems.is_empty() {
         return None;
@@ -250,6 +252,7 @@ fn model(reader: &mut Reader, file: &Table) -> Option<Model> {
         flows,
         outputs,
         signals,
+        terms,
         coverage: Coverage::Everywhere,
         notes,
         source: Arc::clone(&reader.source),

@@ -239,7 +239,7 @@ fn bands(history: &History, series: usize) -> Vec<Band> {
 }
 
 /// Few panels are drawn high, many lower.
-fn panel_height(count: usize) -> f64 {
+pub(super) fn panel_height(count: usize) -> f64 {
     match count {
         0 | 1 => 200.0,
         2 => 140.0,
@@ -248,11 +248,11 @@ fn panel_height(count: usize) -> f64 {
     }
 }
 
-const NO_PRIOR: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+pub(super) const NO_PRIOR: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
 /// The bounds after the last sample, with the digits of the tables for people; an end at which nothing
 /// was cut off the prior is the prior's own.
-fn final_bounds(history: &History, series: usize, prior: (f64, f64)) -> String {
+pub(super) fn final_bounds(history: &History, series: usize, prior: (f64, f64)) -> String {
     let last = history.last_band(series);
     let Some(bounds) = last.and_then(|band| Interval::new(band.lo, band.hi)) else {
         return String::new();

@@ -1,13 +1,14 @@
 //! What can be typed.
 
 use super::flags::{
-    Assignment, ColumnFlag, ErrorFlag, InputErrorFlag, ResetFlag, ZoomFlag, decimal, not_negative,
-    positive,
+    Assignment, ColumnFlag, ErrorFlag, InputErrorFlag, PlaneFlag, ResetFlag, ZoomFlag, decimal,
+    not_negative, positive,
 };
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use veribound_estimate::{ObserverOptions, ParameterRule};
 use veribound_interval::Decimal;
+use veribound_model::diagnostic::Diagnostic;
 
 /// Proved parameter and state bounds for dynamic systems with switches.
 ///
@@ -42,8 +43,8 @@ pub enum Command {
     Simulate(Box<Simulate>),
     /// Enclose all solutions of a model: no record needed, nothing estimated
     #[command(
-        after_help = "Exit codes: 0 proved to the end, 2 wrong input or usage, 3 not proved (nothing \
-                            is written)."
+        after_help = "Exit codes: 0 proved to the end, 2 wrong input or usage, 3 proved only to an earlier \
+                            time, 130 interrupted (what is proved is written)."
     )]
     Enclose(Box<Enclose>),
     /// Tell what an error code means, why it matters and how to repair it; without a code, list all
@@ -187,15 +188,9 @@ pub struct Method {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub struct Showing {
-    /// Formats of the figures
-    #[arg(
-        long,
-        value_enum,
-        value_delimiter = ',',
-        value_name = "FORMAT",
-        default_value = "svg,png"
-    )]
-    pub figures: Vec<Format>,
+    /// As every command with results.
+    #[command(flatten)]
+    pub output: Shown,
     /// Stretch of time that the figure of the outputs enlarges: FROM..TO in seconds, auto, or off
     #[arg(
         long,
@@ -207,12 +202,42 @@ pub struct Showing {
     /// Show the parameters of an earlier run in its folder behind those of this one
     #[arg(long, value_name = "DIR")]
     pub overlay: Option<PathBuf>,
+}
+
+/// What every command with a folder of results can show.
+#[derive(Debug, Args)]
+pub struct Shown {
+    /// Formats of the figures
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "FORMAT",
+        default_value = "svg,png",
+        help_heading = "Output"
+    )]
+    pub figures: Vec<Format>,
     /// Print summary.json to stdout instead of the table
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     pub json: bool,
     /// Print nothing but problems and warnings
-    #[arg(short, long)]
+    #[arg(short, long, help_heading = "Output")]
     pub quiet: bool,
+}
+
+impl Shown {
+    /// Refuses figures and no figures.
+    ///
+    /// *Errors*: `E0612`.
+    pub fn refuse(&self) -> Result<(), Diagnostic> {
+        let wanted = |format: &Format| *format != Format::None;
+        if self.figures.contains(&Format::None) && self.figures.iter().any(wanted) {
+            let message = "`--figures` asks for no figures and for figures";
+            return Err(Diagnostic::new("E0612", message)
+                .help("write `--figures none`, or the formats alone, as in `--figures svg,png`"));
+        }
+        Ok(())
+    }
 }
 
 /// Decimal places that a float can hold of a number of about 1.
@@ -271,9 +296,22 @@ pub struct Enclose {
     /// Parts that the set may be divided into where it is too wide
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = count_up_to(1, 100_000))]
     pub parts: usize,
-    /// Table to write (CSV): bounds of every state at each time, and over the time since the one before
-    #[arg(short, long, value_name = "TABLE")]
+    /// Folder for the results; it is made where it does not exist, and results of an earlier run in it
+    /// are replaced when all new ones are complete
+    #[arg(short, long, value_name = "DIR")]
     pub output: PathBuf,
+    /// Draw so many random true trajectories and compare them with the bounds
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = count_up_to(0, 1_000_000))]
+    pub sample: usize,
+    /// Chooses the trajectories
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub seed: u64,
+    /// The two states of the phase plane; auto takes a state with its rate
+    #[arg(long, value_name = "X,Y|auto|off", default_value = "auto")]
+    pub plane: PlaneFlag,
+    /// What the run shows.
+    #[command(flatten)]
+    pub showing: Shown,
 }
 
 /// Inputs over time, and the times of the results.

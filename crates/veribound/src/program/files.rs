@@ -8,7 +8,9 @@ use veribound_flow::ModeSet;
 use veribound_interval::{Decimal, Interval};
 use veribound_model::diagnostic::Diagnostic;
 use veribound_model::{Model, Sample};
-use veribound_report::{FigureMeta, History, Parameter, Quantity, ReportError, SampleRow, Zoom};
+use veribound_report::{
+    Figure, FigureMeta, History, Parameter, Quantity, ReportError, SampleRow, Zoom,
+};
 
 /// The tables and figures of a run. Nothing of them is seen under its name before
 /// [`Files::finish`]; memory does not grow with the record.
@@ -125,27 +127,10 @@ impl<'m> Files<'m> {
         formats: &[Format],
         overlay: Option<&History>,
     ) -> Result<Vec<CompleteFile>, Diagnostic> {
-        if formats.iter().all(|format| *format == Format::None) {
-            return Ok(Vec::new());
-        }
-        let figures = match overlay {
+        write_figures(&self.folder, formats, || match overlay {
             Some(other) => self.history.render_compared(other),
             None => self.history.render_all(),
-        };
-        let mut files = Vec::new();
-        for figure in figures {
-            let name = format!("fig/{}", figure.name);
-            if formats.contains(&Format::Svg) {
-                let svg = figure.svg.as_bytes();
-                files.push(self.folder.write(&format!("{name}.svg"), svg)?);
-            }
-            if formats.contains(&Format::Png) {
-                let pixels =
-                    veribound_report::png(&figure.svg).map_err(|error| undrawable(&error))?;
-                files.push(self.folder.write(&format!("{name}.png"), &pixels)?);
-            }
-        }
-        Ok(files)
+        })
     }
 
     fn mode_names(&self, modes: ModeSet) -> String {
@@ -156,6 +141,30 @@ impl<'m> Files<'m> {
                 .map(|(_, m)| m.name.as_str()),
         )
     }
+}
+
+/// Writes the figures that `draw` gives in all formats, if any is asked for.
+pub fn write_figures(
+    folder: &ResultFolder,
+    formats: &[Format],
+    draw: impl FnOnce() -> Vec<Figure>,
+) -> Result<Vec<CompleteFile>, Diagnostic> {
+    if formats.iter().all(|format| *format == Format::None) {
+        return Ok(Vec::new());
+    }
+    let mut files = Vec::new();
+    for figure in draw() {
+        let name = format!("fig/{}", figure.name);
+        if formats.contains(&Format::Svg) {
+            let svg = figure.svg.as_bytes();
+            files.push(folder.write(&format!("{name}.svg"), svg)?);
+        }
+        if formats.contains(&Format::Png) {
+            let pixels = veribound_report::png(&figure.svg).map_err(|error| undrawable(&error))?;
+            files.push(folder.write(&format!("{name}.png"), &pixels)?);
+        }
+    }
+    Ok(files)
 }
 
 /// What the figures are about.
@@ -199,17 +208,17 @@ pub fn figure_meta(model: &Model, zoom: Zoom, sample_time_ms: Option<f64>) -> Fi
 }
 
 /// The groups of modes that have a choice; the only group, where there is but one.
-fn drawn_modes(model: &Model) -> impl Iterator<Item = Range<usize>> + '_ {
+pub fn drawn_modes(model: &Model) -> impl Iterator<Item = Range<usize>> + '_ {
     let only = model.groups.len() == 1;
     let groups = model.groups.iter().map(|group| group.modes.clone());
     groups.filter(move |modes| only || modes.len() > 1)
 }
 
-fn joined<'n>(names: impl Iterator<Item = &'n str>) -> String {
+pub fn joined<'n>(names: impl Iterator<Item = &'n str>) -> String {
     names.collect::<Vec<_>>().join("|")
 }
 
-fn undrawable(error: &ReportError) -> Diagnostic {
+pub fn undrawable(error: &ReportError) -> Diagnostic {
     Diagnostic::new("E0506", format!("the figures cannot be drawn: {error}"))
         .help("leave them out with `--figures none`")
 }

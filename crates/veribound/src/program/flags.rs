@@ -184,6 +184,45 @@ impl FromStr for ZoomFlag {
     }
 }
 
+/// `X,Y`, `auto` or `off`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum PlaneFlag {
+    /// The program chooses.
+    Auto,
+    /// No phase plane.
+    Off,
+    /// Two states by their names.
+    States(String, String),
+}
+
+impl fmt::Display for PlaneFlag {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            PlaneFlag::Auto => f.write_str("auto"),
+            PlaneFlag::Off => f.write_str("off"),
+            PlaneFlag::States(x, y) => write!(f, "{x},{y}"),
+        }
+    }
+}
+
+impl FromStr for PlaneFlag {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => return Ok(PlaneFlag::Auto),
+            "off" => return Ok(PlaneFlag::Off),
+            _ => {}
+        }
+        match text.split_once(',') {
+            Some((x, y)) if !x.trim().is_empty() && !y.trim().is_empty() => {
+                Ok(PlaneFlag::States(x.trim().to_owned(), y.trim().to_owned()))
+            }
+            _ => Err("expected two states, as in x,v, or auto, or off".to_owned()),
+        }
+    }
+}
+
 /// `NAME=VALUE,NAME=VALUE`: one entry of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Assignment {

@@ -84,13 +84,13 @@ pub fn run(arguments: &Observe) -> Outcome {
         overlay: shown,
     };
     let run_info = run_info::of(arguments, (&model, &record), files_read, &said);
-    remarks(&record, &said, arguments.showing.quiet);
+    remarks(&record, &said, arguments.showing.output.quiet);
 
     // [2/4] The record, sample by sample.
     let interrupt = Interrupt::listen();
     let folder = ResultFolder::create(&arguments.output)?;
     let mut files = Files::create(&model, folder, meta)?;
-    let bar = progress::of_samples(record.len(), arguments.showing.quiet);
+    let bar = progress::of_samples(record.len(), arguments.showing.output.quiet);
     let found = follow(
         &record,
         &model,
@@ -112,15 +112,15 @@ pub fn run(arguments: &Observe) -> Outcome {
         observer.cells()
     };
     let json = summary(&model, &record, &found, said).to_json()?;
-    let formats = &arguments.showing.figures;
+    let formats = &arguments.showing.output.figures;
     let drawn = (formats.as_slice(), other.as_ref());
     files.finish((end, cells), &run_info, &json, drawn)?;
 
     // [4/4] What the user is told.
-    verdict::explain(&model, &record, &found, !arguments.showing.quiet);
-    if arguments.showing.json {
+    verdict::explain(&model, &record, &found, !arguments.showing.output.quiet);
+    if arguments.showing.output.json {
         message::say(&json);
-    } else if !arguments.showing.quiet {
+    } else if !arguments.showing.output.quiet {
         let figures = !formats.contains(&Format::None);
         message::say(&table::of(
             &model,
@@ -144,7 +144,11 @@ fn open_record(arguments: &Observe, model: &Model) -> Result<Record, Diagnostics
         to: reading.to.clone(),
     };
     let bytes = fs::metadata(&arguments.record).map_or(0, |file| file.len());
-    let bar = progress::of_parts(bytes, "of the record checked", arguments.showing.quiet);
+    let bar = progress::of_parts(
+        bytes,
+        "of the record checked",
+        arguments.showing.output.quiet,
+    );
     let mut watch = |bytes| bar.set_position(bytes);
     let record = Record::open_watched(&arguments.record, model, options, &mut watch);
     bar.finish_and_clear();
@@ -154,13 +158,9 @@ fn open_record(arguments: &Observe, model: &Model) -> Result<Record, Diagnostics
 /// Refuses what no run could do, and results in the place of what the run reads.
 fn refuse_flags(arguments: &Observe) -> Result<(), Diagnostic> {
     let Showing {
-        figures, overlay, ..
+        output, overlay, ..
     } = &arguments.showing;
-    if figures.contains(&Format::None) && figures.iter().any(|format| *format != Format::None) {
-        let message = "`--figures` asks for no figures and for figures";
-        return Err(Diagnostic::new("E0612", message)
-            .help("write `--figures none`, or the formats alone, as in `--figures svg,png`"));
-    }
+    output.refuse()?;
     let files = [
         ("the model file", arguments.model.as_path()),
         ("the record", arguments.record.as_path()),

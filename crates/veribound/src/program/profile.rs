@@ -49,8 +49,8 @@ impl Profile {
             Some(path) => {
                 let record = check(path, model)?;
                 same_units::of_profile(&record)?;
-                let points = Points::of_table(path, &record)?;
-                (points, record.last().clone(), record.len())
+                let (last, count) = (record.last().clone(), record.len());
+                (Points::of_table(path, record)?, last, count)
             }
             None if model.recorded_inputs().next().is_none() => (Points::Start, Decimal::zero(), 1),
             None => {
@@ -94,6 +94,14 @@ impl Profile {
             until: times.until.clone().unwrap_or(last),
             every: times.every.clone(),
         })
+    }
+
+    /// The record of inputs that was read, if there is one.
+    pub fn record(&self) -> Option<&Record> {
+        match &self.points {
+            Points::Table { record, .. } => Some(record),
+            _ => None,
+        }
     }
 
     /// The next sample; `None` after the last.
@@ -142,11 +150,12 @@ enum Points {
         table: Box<TableReader>,
         places: Vec<usize>,
         path: PathBuf,
+        record: Box<Record>,
     },
 }
 
 impl Points {
-    fn of_table(path: &Path, record: &Record) -> Result<Points, Diagnostic> {
+    fn of_table(path: &Path, record: Record) -> Result<Points, Diagnostic> {
         let table = TableReader::open(path).map_err(|problem| changed(path, &problem.message))?;
         let mut places = Vec::new();
         for (variable, column) in record.columns() {
@@ -159,6 +168,7 @@ impl Points {
             table: Box::new(table),
             places,
             path: path.to_path_buf(),
+            record: Box::new(record),
         })
     }
 
@@ -177,6 +187,7 @@ impl Points {
                 table,
                 places,
                 path,
+                ..
             } => (table, places, path),
         };
         let row = table.next_row();
@@ -238,7 +249,7 @@ mod tests {
         fs::write(&path, "t,u\n0,1\n1,1\n").unwrap();
         let record = check(&path, &model).unwrap();
         fs::write(&path, "t,u\n0,1\n1,fast\n").unwrap();
-        let mut points = Points::of_table(&path, &record).unwrap();
+        let mut points = Points::of_table(&path, record).unwrap();
         points.next().unwrap();
         let Err(said) = points.next() else {
             panic!("a word was taken for a number")

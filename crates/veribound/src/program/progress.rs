@@ -18,6 +18,11 @@ pub fn of_parts(count: u64, what: &str, quiet: bool) -> ProgressBar {
     bar(count, &form, quiet)
 }
 
+/// A line that says where an enclosure stands.
+pub fn of_enclosure(quiet: bool) -> ProgressBar {
+    bar(1, "  {msg}", quiet)
+}
+
 fn bar(length: u64, form: &str, quiet: bool) -> ProgressBar {
     let target = if quiet || !std::io::stderr().is_terminal() {
         ProgressDrawTarget::hidden()

@@ -1,6 +1,6 @@
 //! `run.toml`: all that repeats the run.
 
-use super::arguments::Observe;
+use super::arguments::{Enclose, Format, Observe};
 use clap::ValueEnum;
 use toml::{Table, Value};
 use veribound_data::{FileInfo, Platform, Program, Record, RecordInfo, RunInfo};
@@ -21,23 +21,69 @@ pub fn of(
     earlier: Earlier,
     assumptions: &[String],
 ) -> RunInfo {
-    // The program may lie anywhere; its name is the same everywhere.
-    let program = std::iter::once("veribound".to_owned());
-    let words = std::env::args_os().skip(1);
     RunInfo {
-        program: Program {
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            command: program
-                .chain(words.map(|word| word.to_string_lossy().into_owned()))
-                .collect(),
-        },
+        program: program(),
         platform: Platform::current(),
         model: FileInfo::of_text(&arguments.model, &model.source.text),
         record: Some(RecordInfo::of(record)),
+        profile: None,
         start: earlier.start,
         overlay: earlier.overlay,
         options: options(arguments, assumptions),
     }
+}
+
+/// What repeats an enclosure.
+pub fn of_enclosure(
+    arguments: &Enclose,
+    model: &Model,
+    profile: Option<RecordInfo>,
+    assumptions: &[String],
+) -> RunInfo {
+    let mut options = Table::new();
+    let mut put = |name: &str, value: Value| options.insert(name.to_owned(), value);
+    // Times are kept as text: TOML numbers are floats.
+    for (name, time) in [
+        ("until", &arguments.times.until),
+        ("every", &arguments.times.every),
+    ] {
+        if let Some(time) = time {
+            put(name, Value::String(time.to_string()));
+        }
+    }
+    let said = assumptions.iter().cloned().map(Value::String);
+    put("assumptions", Value::Array(said.collect()));
+    put("parts", Value::Integer(arguments.parts as i64));
+    put("sample", Value::Integer(arguments.sample as i64));
+    put("seed", Value::String(arguments.seed.to_string()));
+    put("plane", Value::String(arguments.plane.to_string()));
+    put("figures", formats(&arguments.showing.figures));
+    RunInfo {
+        program: program(),
+        platform: Platform::current(),
+        model: FileInfo::of_text(&arguments.model, &model.source.text),
+        record: None,
+        profile,
+        start: Vec::new(),
+        overlay: None,
+        options,
+    }
+}
+
+/// The command line; the program may lie anywhere, and has the same name everywhere.
+fn program() -> Program {
+    let program = std::iter::once("veribound".to_owned());
+    let words = std::env::args_os().skip(1);
+    Program {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        command: program
+            .chain(words.map(|word| word.to_string_lossy().into_owned()))
+            .collect(),
+    }
+}
+
+fn formats(list: &[Format]) -> Value {
+    Value::Array(list.iter().map(|format| named(*format)).collect())
 }
 
 /// Every option with its value, given or default.
@@ -107,16 +153,7 @@ fn options(arguments: &Observe, assumptions: &[String]) -> Table {
         Value::Boolean(method.merge_across_modes),
     );
     put("parameter_rule", named(method.parameter_rule));
-    put(
-        "figures",
-        Value::Array(
-            showing
-                .figures
-                .iter()
-                .map(|format| named(*format))
-                .collect(),
-        ),
-    );
+    put("figures", formats(&showing.output.figures));
     put("zoom", Value::String(showing.zoom.to_string()));
     for (name, folder) in [
         ("start_from", &given.start_from),

@@ -73,7 +73,7 @@ pub fn of(
 }
 
 /// Columns as wide as their widest entry; the last ones only as wide as they are.
-fn push_rows<const N: usize>(out: &mut String, rows: &[[String; N]]) {
+pub fn push_rows<const N: usize>(out: &mut String, rows: &[[String; N]]) {
     let mut widths = [0; N];
     for row in rows {
         for (width, text) in widths.iter_mut().zip(row) {

@@ -80,6 +80,22 @@ impl Lowering<'_> {
         ast: &Ast,
         problems: &mut Vec<Problem>,
     ) -> Option<ExprId> {
+        let plain = self.unswitched(e, false);
+        if plain.is_none() {
+            problems.push(Problem::new(
+                "E0219",
+                "`friction` can stand only in a right-hand side",
+                ast.range.clone(),
+                "contains `friction`",
+                "use `friction` in [der] or in `der` of a mode only",
+            ));
+        }
+        plain
+    }
+
+    /// `e` with placeholders as plain set-valued functions; `None` where it holds `friction`, unless that may
+    /// be all that it spans.
+    pub(super) fn unswitched(&mut self, e: ExprId, spans_friction: bool) -> Option<ExprId> {
         let used = self.switches_in(e);
         if used.is_empty() {
             return Some(e);
@@ -99,16 +115,21 @@ impl Lowering<'_> {
                     let test = self.test(&condition.unwrap_or(Guard::Always));
                     self.graph.choose(test, yes, no)
                 }
-                Some(Switch::Friction { .. }) | None => {
-                    problems.push(Problem::new(
-                        "E0219",
-                        "`friction` can stand only in a right-hand side",
-                        ast.range.clone(),
-                        "contains `friction`",
-                        "use `friction` in [der] or in `der` of a mode only",
-                    ));
-                    return None;
+                Some(Switch::Friction {
+                    velocity,
+                    sliding,
+                    breakaway,
+                    ..
+                }) if spans_friction => {
+                    let [velocity, sliding, breakaway] =
+                        [velocity, sliding, breakaway].map(|e| self.replaced(e, &values));
+                    let (side, level) = (
+                        self.graph.unary(Unary::Sign, velocity),
+                        self.graph.max(sliding, breakaway),
+                    );
+                    self.graph.mul(level, side)
                 }
+                Some(Switch::Friction { .. }) | None => return None,
             };
             values.push((self.placeholder(index), value));
         }
