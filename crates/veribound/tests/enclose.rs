@@ -237,15 +237,43 @@ fn a_width_past_use_is_diagnosed() {
     assert_eq!(told["trajectories"]["inside"], 3);
 }
 
+/// Every engine can be asked, all prove the same, and the result names the one that did.
+#[test]
+fn engines_are_chosen_and_told() {
+    let place = Place::new();
+    let text = "format = 1\nstates = [\"x\"]\ninit.x = [0.8, 0.9]\nder.x = \"-friction(x, 0, 1)\"\noutputs.y = \"x +- 0.1\"\n";
+    let model = place.file("m.toml", text);
+    for (engine, told) in [
+        ("auto", "comparison (corners in x)"),
+        ("comparison", "comparison (corners in x)"),
+        ("forms", "forms"),
+        ("boxes", "boxes"),
+    ] {
+        let flags = format!("--until 0.5 --every 0.5 --engine {engine}");
+        let said = enclose(&place, &model, &flags).ended(0).out;
+        assert!(said.contains(&format!("engine: {told}\n")), "{said}");
+        assert_eq!(summary(&place)["engine"], told);
+        let (lo, hi) = bounds(&place.read("out/tube.csv"), "x")[1];
+        assert!(
+            (lo - 0.3).abs() < 1e-9 && (hi - 0.4).abs() < 1e-9,
+            "{lo} {hi}"
+        );
+    }
+}
+
 /// `x' = -friction(x, 0, 1)` comes to zero and stays there; the table and the strip say which mode acts.
 #[test]
 fn modes_are_told() {
     let place = Place::new();
     let text = "format = 1\nstates = [\"x\"]\ninit.x = [0.8, 0.9]\nder.x = \"-friction(x, 0, 1)\"\noutputs.y = \"x +- 0.1\"\n";
     let model = place.file("m.toml", text);
-    let said = enclose(&place, &model, "--until 2 --every 0.5 --sample 4")
-        .ended(0)
-        .out;
+    let said = enclose(
+        &place,
+        &model,
+        "--until 2 --every 0.5 --sample 4 --engine forms",
+    )
+    .ended(0)
+    .out;
     assert!(said.contains("modes possible at the end: stick"), "{said}");
     let table = place.read("out/tube.csv");
     let modes = column(&table, "modes");

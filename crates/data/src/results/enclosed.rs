@@ -39,6 +39,8 @@ pub struct EnclosureSummary {
     pub outputs: Vec<(String, RangeSummary)>,
     /// Modes that may have acted since the last time but one.
     pub modes: Vec<String>,
+    /// The engines that proved the bounds, and what stood in the way of the best one.
+    pub engine: String,
     /// Number of parts that the set was divided into.
     pub parts: usize,
     /// True trajectories that were compared, if any were asked for.
@@ -157,6 +159,7 @@ mod tests {
             )],
             outputs: Vec::new(),
             modes: vec!["slip".to_owned()],
+            engine: "forms".to_owned(),
             parts: 2,
             trajectories: Some(Trajectories {
                 drawn: 9,
@@ -198,6 +201,7 @@ mod tests {
   "modes": [
     "slip"
   ],
+  "engine": "forms",
   "parts": 2,
   "trajectories": {
     "drawn": 9,

@@ -7,6 +7,7 @@ use super::flags::{
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use veribound_estimate::{ObserverOptions, ParameterRule};
+use veribound_flow::engine::Engine;
 use veribound_interval::Decimal;
 use veribound_model::diagnostic::Diagnostic;
 
@@ -296,6 +297,9 @@ pub struct Enclose {
     /// Parts that the set may be divided into where it is too wide
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = count_up_to(1, 100_000))]
     pub parts: usize,
+    /// How the bounds are proved; what is proved is true whichever is taken
+    #[arg(long, value_name = "NAME", default_value = "auto")]
+    pub engine: EngineName,
     /// Folder for the results; it is made where it does not exist, and results of an earlier run in it
     /// are replaced when all new ones are complete
     #[arg(short, long, value_name = "DIR")]
@@ -424,5 +428,29 @@ mod tests {
             panic!("not an observation")
         };
         assert_eq!(observe.method.options(), ObserverOptions::default());
+    }
+}
+
+/// Names of engines.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum EngineName {
+    /// What fits the model, as `veribound check` says
+    Auto,
+    /// One box that forgets what it depends on: the reference
+    Boxes,
+    /// Sets that keep how states depend on start values and parameters
+    Forms,
+    /// Two corners of what is monotone
+    Comparison,
+}
+
+impl From<EngineName> for Engine {
+    fn from(name: EngineName) -> Engine {
+        match name {
+            EngineName::Auto => Engine::Auto,
+            EngineName::Boxes => Engine::Boxes,
+            EngineName::Forms => Engine::Forms,
+            EngineName::Comparison => Engine::Comparison,
+        }
     }
 }

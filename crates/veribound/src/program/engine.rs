@@ -1,6 +1,7 @@
 //! What the program says of engines.
 
 use veribound_flow::comparison::{Cause, Comparison, Disorder, Outlook};
+use veribound_flow::engine::Answer;
 use veribound_flow::form::Stretch;
 use veribound_interval::Interval;
 use veribound_model::{Model, Var};
@@ -49,8 +50,25 @@ pub fn plan(model: &Model, outlook: &Outlook) -> String {
     }
 }
 
+/// Which engines proved what was proved, and what stood in the way of the best one.
+pub fn told(model: &Model, answer: &Answer) -> String {
+    let names: Vec<&str> = answer.by.iter().map(|engine| engine.name()).collect();
+    let corners = match &answer.corners[..] {
+        [] => String::new(),
+        corners => {
+            let quoted: Vec<String> = corners.iter().map(|var| name(model, *var)).collect();
+            format!(" (corners in {})", quoted.join(", "))
+        }
+    };
+    let disorder = answer.disorders.first().map_or(String::new(), |disorder| {
+        let since = disorder.since;
+        format!("; {} from {since:.4} s on", why(model, disorder))
+    });
+    format!("{}{corners}{disorder}", names.join(" and "))
+}
+
 /// What stood in the way of an order.
-pub fn why(model: &Model, disorder: &Disorder) -> String {
+fn why(model: &Model, disorder: &Disorder) -> String {
     let rate = |state: usize| {
         let state = model.states.get(state);
         format!("{}'", state.map_or("", |state| state.name.as_str()))

@@ -4,6 +4,7 @@ use super::arguments::{Enclose, Format, Observe};
 use clap::ValueEnum;
 use toml::{Table, Value};
 use veribound_data::{FileInfo, Platform, Program, Record, RecordInfo, RunInfo};
+use veribound_flow::engine::Engine;
 use veribound_model::Model;
 
 /// The files of earlier runs that a run has read.
@@ -54,6 +55,8 @@ pub fn of_enclosure(
     let said = assumptions.iter().cloned().map(Value::String);
     put("assumptions", Value::Array(said.collect()));
     put("parts", Value::Integer(arguments.parts as i64));
+    let engine = Engine::from(arguments.engine).name();
+    put("engine", Value::String(engine.to_owned()));
     put("sample", Value::Integer(arguments.sample as i64));
     put("seed", Value::String(arguments.seed.to_string()));
     put("plane", Value::String(arguments.plane.to_string()));

@@ -10,12 +10,13 @@ use super::ending::Ending;
 use super::interrupt::Interrupt;
 use super::message::{remark, say};
 use super::profile::{Profile, Stretch};
-use super::{Outcome, overwriting, progress, run_info};
+use super::{Outcome, engine, overwriting, progress, run_info};
 use diagnosis::{Cause, PastUse};
 use std::time::Instant;
 use trajectories::Drawn;
 use veribound_data::{RecordInfo, ResultFolder};
-use veribound_flow::form::{self, Effort, Enclosure, Flow, FormOptions, Standing};
+use veribound_flow::engine::{Engines, Task};
+use veribound_flow::form::{self, Effort, Enclosure, FormOptions, Standing};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{Coverage, Model};
 
@@ -33,6 +34,8 @@ pub struct Course {
 pub struct Findings {
     /// What is proved.
     pub enclosure: Enclosure,
+    /// The engines that proved it, and why no others.
+    pub engine: String,
     /// Number of rows that are proved, the start included.
     pub rows: usize,
     /// True trajectories.
@@ -150,10 +153,16 @@ fn enclose(
         !interrupt.is_asked()
     };
     let begin = Instant::now();
-    let flow = Flow::new(model);
-    let options = FormOptions::default();
-    let sets = (&start[..], &params[..]);
-    let enclosure = flow.enclose_watched(sets, &course.stretches, options, effort, &go_on);
+    let task = Task {
+        states: &start,
+        params: &params,
+        stretches: &course.stretches,
+        options: FormOptions::default(),
+        effort,
+    };
+    let answer = Engines::new(model).enclose(arguments.engine.into(), task, &go_on);
+    let engine = engine::told(model, &answer);
+    let enclosure = answer.enclosure;
     let seconds = begin.elapsed().as_secs_f64();
     bar.finish_and_clear();
     let rows = course.times.len().min(enclosure.ends.len() + 1);
@@ -178,6 +187,7 @@ fn enclose(
     };
     Ok(Findings {
         enclosure,
+        engine,
         rows,
         drawn,
         asked: arguments.sample > 0 && ending != Ending::Interrupted,

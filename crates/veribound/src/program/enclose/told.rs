@@ -62,6 +62,7 @@ pub fn summary(
         states: states.collect(),
         outputs: outputs.collect(),
         modes: found.last_modes(model),
+        engine: found.engine.clone(),
         parts: found.enclosure.parts.len(),
         trajectories: found.asked.then(|| trajectories::counted(&found.drawn)),
         past_use: past_use.collect(),
@@ -186,6 +187,7 @@ pub fn table(
         times.len(),
         found.seconds
     );
+    let _ = writeln!(out, "  engine: {}", found.engine);
     let [states, outputs] = found.ranges();
     let at = format!("at {time} s");
     let mut rows = vec![["", "start", &at, "at all times", ""].map(str::to_owned)];
