@@ -326,3 +326,42 @@ fn parts_are_told() {
         }
     }
 }
+
+/// Every example is enclosed for a moment, and true trajectories lie inside.
+#[test]
+fn all_examples_are_enclosed() {
+    let place = Place::new();
+    place.file("force.csv", "t,force_N\n0,1\n");
+    let folder = support::example("");
+    let mut models = 0;
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let folder = entry.unwrap().path();
+        let name = folder.file_name().unwrap().to_string_lossy().into_owned();
+        let profile = match folder.join("profile.csv") {
+            path if path.exists() => format!("--input {}", path.display()),
+            _ if name == "emps" => "--input force.csv".to_owned(),
+            _ => String::new(),
+        };
+        // Six states with eleven unknowns take long.
+        let times = match name.as_str() {
+            "anaerobic-digestion" => "--until 0.0001 --every 0.0001",
+            "chain" => "--until 0.001 --every 0.001",
+            _ => "--until 0.02 --every 0.01",
+        };
+        for entry in std::fs::read_dir(&folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.extension().is_none_or(|ending| ending != "toml") {
+                continue;
+            }
+            let model = path.display().to_string();
+            let flags = format!("{times} {profile} --parts 1 --figures none --sample 2");
+            let said = enclose(&place, &model, &flags).ended(0).out;
+            assert!(
+                said.contains("2 of 2 true trajectories proved inside"),
+                "{model}: {said}"
+            );
+            models += 1;
+        }
+    }
+    assert!(models >= 19, "{models}");
+}
