@@ -155,8 +155,8 @@ impl Comparison {
     /// Encloses all solutions that start in `states` with parameters in `params`, over all stretches, between
     /// two corners; `flow` is the same model, and `go_on` is asked at every step whether to go on.
     ///
-    /// Guarantee: that of [`Enclosure`]. It ends where the order ends: then
-    /// [`Enclosure::stopped`] is [`Obstacle::NotMonotone`], and the last of the disorders tells why.
+    /// Guarantee: that of [`Enclosure`]. It ends where the order ends: then [`Enclosure::stopped`] is
+    /// [`NotMonotone`](crate::form::Obstacle::NotMonotone), and the last of the disorders tells why.
     ///
     /// Errors: where no uncertain quantity has a place in an order, why.
     pub fn enclose(
