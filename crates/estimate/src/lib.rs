@@ -3,10 +3,12 @@
 mod batch;
 mod cell;
 mod history;
+pub mod identify;
 mod measure;
 mod merge;
 mod observer;
 mod options;
+mod signals;
 mod split;
 mod verdict;
 

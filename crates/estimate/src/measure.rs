@@ -6,9 +6,10 @@
 )]
 
 use crate::batch::Batch;
+use crate::signals::Signals;
 use crate::verdict::{Contradiction, distance};
+use veribound_interval::Interval;
 use veribound_interval::lanes::{Interval8, LANES, Mask};
-use veribound_interval::{Decimal, Interval};
 use veribound_model::{ExprId, Layout, Model, Sample, Tape};
 
 /// Passes over all conditions per sample; later ones can narrow what earlier ones see.
@@ -37,36 +38,13 @@ impl Condition {
     }
 }
 
-/// Since when a signal may have been true.
-#[derive(Debug, Clone)]
-enum MayBe {
-    /// It is false.
-    False,
-    /// Since this sample; the one before was false.
-    TrueSince(Decimal),
-    /// No sample says that it was ever false.
-    AlwaysTrue,
-}
-
-/// What one signal proves, and since when it has been true.
-///
-/// A missing value proves nothing: it is no proof that the signal was true, nor that it was false.
-/// So there are two clocks, one for what a true signal proves and one for what it allows. The same
-/// holds for what was before the first sample.
-#[derive(Debug, Clone)]
-struct Witness {
-    zero: Vec<Condition>,
-    latency: Decimal,
-    true_since: Option<Decimal>,
-    may_be: MayBe,
-}
-
 /// Conditions that a sample puts on boxes.
 #[derive(Debug, Clone)]
 pub(crate) struct Measurements {
     layout: Layout,
     outputs: Vec<Condition>,
-    witnesses: Vec<Witness>,
+    /// For every signal what is zero where it proves something.
+    zeros: Vec<Vec<Condition>>,
     q: Vec<Interval8>,
 }
 
@@ -77,56 +55,22 @@ impl Measurements {
             .iter()
             .map(|o| Condition::new(model, layout, o.expr))
             .collect();
-        let witnesses = model
-            .signals
-            .iter()
-            .map(|signal| Witness {
-                zero: signal
-                    .proves_zero
-                    .iter()
-                    .map(|expr| Condition::new(model, layout, *expr))
-                    .collect(),
-                latency: signal.latency.clone(),
-                true_since: None,
-                may_be: MayBe::AlwaysTrue,
-            })
-            .collect();
+        let zeros = model.signals.iter().map(|signal| {
+            let exprs = signal.proves_zero.iter();
+            exprs.map(|e| Condition::new(model, layout, *e)).collect()
+        });
+        let zeros = zeros.collect();
         Measurements {
             layout,
             outputs,
-            witnesses,
+            zeros,
             q: Vec::new(),
         }
     }
 
-    /// True when the sample has the model's outputs and signals.
-    pub(crate) fn fits(&self, sample: &Sample) -> bool {
-        sample.outputs.len() == self.outputs.len() && sample.signals.len() == self.witnesses.len()
-    }
-
-    /// Takes note of the signals of a sample.
-    pub(crate) fn note_signals(&mut self, sample: &Sample) {
-        for (witness, value) in self.witnesses.iter_mut().zip(&sample.signals) {
-            if *value != Some(true) {
-                witness.true_since = None;
-            } else if witness.true_since.is_none() {
-                witness.true_since = Some(sample.time.clone());
-            }
-            match (value, &witness.may_be) {
-                (Some(false), _) => witness.may_be = MayBe::False,
-                (_, MayBe::False) => witness.may_be = MayBe::TrueSince(sample.time.clone()),
-                _ => {}
-            }
-        }
-    }
-
-    /// Whether a signal may have been true for at least `lasts` at `now`.
-    pub(crate) fn may_have_held(&self, signal: usize, lasts: &Decimal, now: &Decimal) -> bool {
-        match &self.witnesses[signal].may_be {
-            MayBe::False => false,
-            MayBe::TrueSince(since) => now - since >= *lasts,
-            MayBe::AlwaysTrue => true,
-        }
+    /// Number of outputs.
+    pub(crate) fn len(&self) -> usize {
+        self.outputs.len()
     }
 
     /// Values of the outputs on the boxes of `batch`.
@@ -153,18 +97,16 @@ impl Measurements {
         &mut self,
         batch: &mut Batch,
         sample: &Sample,
+        signals: &Signals,
         found: &mut [Option<Contradiction>; LANES],
     ) {
         self.set(batch, &sample.inputs);
         for _ in 0..PASSES {
-            for (signal, witness) in self.witnesses.iter_mut().enumerate() {
-                let Some(since) = &witness.true_since else {
-                    continue;
-                };
-                if &sample.time - since < witness.latency {
+            for (signal, zeros) in self.zeros.iter_mut().enumerate() {
+                if !signals.proves(signal, &sample.time) {
                     continue;
                 }
-                for zero in &mut witness.zero {
+                for zero in zeros {
                     let enclosure = zero.value(&self.q);
                     let left = zero.contract(&mut self.q, Interval::ZERO);
                     for lane in batch.lanes.without(left).lanes() {

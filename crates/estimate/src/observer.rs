@@ -11,6 +11,7 @@ use crate::history::Windows;
 use crate::measure::Measurements;
 use crate::merge::merge;
 use crate::options::ObserverOptions;
+use crate::signals::Signals;
 use crate::split::Splitter;
 use crate::verdict::{Contradiction, Estimate, Refutation, Undecided, Verdict};
 use veribound_flow::{ModeSet, StepFailure, System, Workspace};
@@ -45,8 +46,7 @@ pub struct Observer {
     windows: Windows,
     /// Start intervals of the states and priors of the parameters.
     prior: Vec<Interval>,
-    /// Per reset: signal, parameter, how long the signal must have lasted.
-    resets: Vec<(usize, usize, Decimal)>,
+    signals: Signals,
     cells: Vec<Cell>,
     batches: Batches,
     /// Boxes of an earlier sample, for their memory.
@@ -100,16 +100,6 @@ impl Observer {
             .map(|state| state.init)
             .chain(model.params.iter().map(|param| param.bounds))
             .collect();
-        let resets = model
-            .signals
-            .iter()
-            .enumerate()
-            .flat_map(|(signal, s)| {
-                s.resets
-                    .iter()
-                    .map(move |reset| (signal, reset.param, reset.lasts.clone()))
-            })
-            .collect();
         Observer {
             workspace: Workspace::new(&system, options.step),
             splitter: Splitter::new(model),
@@ -120,7 +110,7 @@ impl Observer {
             spare: Vec::new(),
             scale: vec![1.0; prior.len()],
             prior,
-            resets,
+            signals: Signals::new(model),
             system,
             options,
             held: None,
@@ -147,7 +137,7 @@ impl Observer {
             }
             let mut z = self.prior.clone();
             for (param, bounds) in list.iter().enumerate() {
-                if !self.resets.iter().any(|(_, reset, _)| *reset == param) {
+                if !self.signals.can_reset(param) {
                     z[states + param] = z[states + param].intersect(*bounds);
                 }
             }
@@ -197,7 +187,7 @@ impl Observer {
             }
         }
         self.samples += 1;
-        self.measurements.note_signals(sample);
+        self.signals.note(sample);
         let resets = self.reset(sample);
         let before = held.as_ref().map(|(_, inputs)| inputs.as_slice());
         if let Err((reason, cell)) = self.jump(sample, before, &resets) {
@@ -234,7 +224,9 @@ impl Observer {
         if self.finished {
             return Err(Misuse::Finished);
         }
-        if !self.measurements.fits(sample) || sample.inputs.len() != layout.inputs {
+        let fits = sample.outputs.len() == self.measurements.len()
+            && sample.signals.len() == self.signals.len();
+        if !fits || sample.inputs.len() != layout.inputs {
             return Err(Misuse::Shape);
         }
         match &self.held {
@@ -443,7 +435,8 @@ impl Observer {
         for batch in batches.of_neighbours(&cells) {
             let mut found = [const { None }; LANES];
             batch.load(&cells);
-            self.measurements.narrow(batch, sample, &mut found);
+            self.measurements
+                .narrow(batch, sample, &self.signals, &mut found);
             self.windows.narrow(&cells, batch, &mut found);
             batch.store(&mut cells);
             for (lane, position) in batch.positions() {
@@ -476,23 +469,16 @@ impl Observer {
     /// new value.
     fn reset(&mut self, sample: &Sample) -> Vec<bool> {
         let states = self.system.layout().states;
-        let mut done = vec![false; self.prior.len() - states];
         if self.samples == 1 {
             // At the first sample every parameter has its whole prior.
-            return done;
+            return vec![false; self.prior.len() - states];
         }
-        for (signal, param, lasts) in self.resets.clone() {
-            if !self
-                .measurements
-                .may_have_held(signal, &lasts, &sample.time)
-            {
-                continue;
-            }
+        let resets = self.signals.resets(&sample.time);
+        for (param, _) in resets.iter().enumerate().filter(|(_, reset)| **reset) {
             if self.crowded() {
                 self.label(&sample.inputs);
                 self.merge();
             }
-            done[param] = true;
             let coordinate = states + param;
             let whole = self.prior[coordinate];
             let mut added = Vec::new();
@@ -513,7 +499,7 @@ impl Observer {
             }
             self.boxes_max = self.boxes_max.max(self.cells.len());
         }
-        done
+        resets
     }
 
     /// What jumps at the sample because an input or a parameter is a new one there, or because it starts

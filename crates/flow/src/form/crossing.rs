@@ -526,6 +526,9 @@ impl Journey<'_> {
             self.proved.pass(&outputs, modes);
             let next = self.stretches.get(stretch + 1);
             let outputs = next.map(|next| self.outputs_on(&end, &next.inputs));
+            if self.meet.is_some() {
+                self.passed_by.push((stretch + 1, end.clone()));
+            }
             self.proved.end(end, whole);
             outputs
                 .into_iter()

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::journey::Journey;
+use super::journey::{Journey, Meeting};
 use super::piece::Piece;
 use super::proved::Outputs;
 use super::regime::{Field, Regime, Switching};
@@ -115,6 +115,37 @@ impl Flow {
         *form = journey.form;
         form.tube = tube.unwrap_or_else(|| form.quick_hull());
         Ok(())
+    }
+
+    /// Moves a form through stretches, and shows it to `meet` wherever one begins and at the end of the last;
+    /// `go_on` is asked at every step whether to go on, with the time reached.
+    ///
+    /// Guarantee: that of [`Meeting`], for inputs that are any measurable functions in those of the
+    /// stretches. What `meet` narrows is narrowed from then on: solutions outside are no longer enclosed. On
+    /// failure what was met before stays proved.
+    ///
+    /// Errors: [`Diverged`] where no step could be proved.
+    pub fn follow(
+        &self,
+        form: Form,
+        stretches: &[Stretch],
+        meet: &mut dyn FnMut(Meeting<'_>),
+        go_on: &dyn Fn(f64) -> bool,
+    ) -> Result<(), Diverged> {
+        let mut journey = Journey::new(self, form, stretches);
+        journey.whole_at_end = true;
+        journey.go_on = go_on;
+        journey.meet = Some(meet);
+        journey.run()
+    }
+
+    /// Whether a state in `states` may jump at once, with parameters and inputs in these.
+    pub fn may_jump(&self, states: &[Interval], params: &[Interval], inputs: &[Interval]) -> bool {
+        if self.switching.sets.is_empty() {
+            return false;
+        }
+        let field = self.switching.field(&[states, params, inputs].concat());
+        field.is_none_or(|field| self.switching.jump_possible(&field.signs()))
     }
 
     /// The model compiled for boxes.

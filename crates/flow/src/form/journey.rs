@@ -86,6 +86,20 @@ impl Acting {
     }
 }
 
+/// All solutions of a form at the begin of a stretch, or at the end of the last.
+///
+/// Guarantee: every solution of the form lies in `states` at that time, and in the form, if there is one: where
+/// solutions cross a surface, each at its own time, there is none in between.
+#[derive(Debug)]
+pub struct Meeting<'a> {
+    /// Number of stretches behind.
+    pub stretch: usize,
+    /// The form, which may be narrowed ([`Form::contract`]): then the rest is about what is left.
+    pub form: Option<&'a mut Form>,
+    /// A box of states, where there is no form; else the form tells.
+    pub states: &'a [Interval],
+}
+
 /// A form and how far it has come.
 pub(super) struct Journey<'a> {
     pub(super) flow: &'a Flow,
@@ -101,6 +115,10 @@ pub(super) struct Journey<'a> {
     pub(super) proved: Proved,
     /// Asked at every step whether to go on, with the time reached.
     pub(super) go_on: &'a dyn Fn(f64) -> bool,
+    /// Shown the form wherever a stretch begins, and at the end of the last one.
+    pub(super) meet: Option<&'a mut dyn FnMut(Meeting<'_>)>,
+    /// Boxes of states at begins of stretches that the last crossing went over.
+    pub(super) passed_by: Vec<(usize, Vec<Interval>)>,
     /// Whether outputs are told, too.
     tells_outputs: bool,
     pub(super) acting: Option<Acting>,
@@ -130,6 +148,8 @@ impl<'a> Journey<'a> {
             most: f64::INFINITY,
             proved: Proved::default(),
             go_on: &|_| true,
+            meet: None,
+            passed_by: Vec::new(),
             tells_outputs: false,
             acting: None,
             certain: None,
@@ -181,6 +201,7 @@ impl<'a> Journey<'a> {
 
     /// Goes through all stretches; on failure the form stands somewhere on the way.
     pub(super) fn run(&mut self) -> Result<(), Diverged> {
+        self.meet_form();
         while self.current < self.stretches.len() {
             if self.left.hi() <= 0.0 {
                 self.form.elapsed = self.begin + self.stretches[self.current].dt;
@@ -191,6 +212,7 @@ impl<'a> Journey<'a> {
                 }
                 self.certain = None;
                 self.enter(self.current + 1);
+                self.meet_form();
                 if self.current < self.stretches.len() {
                     let outputs = self.outputs_now(&end);
                     self.proved.begin(outputs);
@@ -208,6 +230,9 @@ impl<'a> Journey<'a> {
                 self.proved.truncate(known);
                 moved = Err(Obstacle::LeavesDomain);
             }
+            if moved.is_ok() {
+                self.meet_passed();
+            }
             let moved = match moved {
                 Ok(()) if self.most < 1.0 && self.form.excess() > self.most => {
                     Err(Obstacle::TooLong)
@@ -223,6 +248,30 @@ impl<'a> Journey<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Shows the form at the begin of the stretch at hand.
+    fn meet_form(&mut self) {
+        if let Some(meet) = &mut self.meet {
+            meet(Meeting {
+                stretch: self.current,
+                form: Some(&mut self.form),
+                states: &[],
+            });
+        }
+    }
+
+    /// Shows where solutions were at begins of stretches that a crossing went over.
+    fn meet_passed(&mut self) {
+        if let Some(meet) = &mut self.meet {
+            for (stretch, states) in self.passed_by.drain(..) {
+                meet(Meeting {
+                    stretch,
+                    form: None,
+                    states: &states,
+                });
+            }
+        }
     }
 
     /// Whether guards are proved to leave no gap wherever solutions have been since `known` stretches were done.

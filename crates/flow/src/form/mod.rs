@@ -86,7 +86,8 @@ mod transport;
 mod watching;
 
 pub use flow::{Diverged, Flow};
-pub use output::{Contradiction, Output};
+pub use journey::Meeting;
+pub use output::{Contradiction, Output, Strip};
 pub use run::{Effort, Enclosure, Part, Standing, Stretch};
 pub use set::{Form, FormOptions, OutputForm, Unknown};
 pub use step::Obstacle;

@@ -124,6 +124,11 @@ impl Monomials {
     pub(super) fn exponents(&self, a: usize) -> &[u8] {
         &self.exponents[a * self.variables..(a + 1) * self.variables]
     }
+
+    /// True if monomial `a` is a square, which is never negative.
+    pub(super) fn is_even(&self, a: usize) -> bool {
+        self.exponents(a).iter().all(|e| e % 2 == 0)
+    }
 }
 
 impl Monomials {

@@ -12,13 +12,28 @@ use super::series::Series;
 use super::set::{Form, OutputForm};
 use super::step::Obstacle;
 use veribound_interval::Interval;
-use veribound_model::{ExprId, Graph, Model};
+use veribound_model::{ExprId, Graph, Model, Node, Var};
 
 /// An expression of a model, compiled to be evaluated on forms of that model.
 #[derive(Debug, Clone)]
 pub struct Output {
+    /// The state that it is, if it is one.
+    state: Option<usize>,
     code: Code,
     functions: Functions,
+}
+
+/// A quantity as an affine function of the unknowns, with quick bounds of what is not affine.
+///
+/// Guarantee: that of [`OutputForm`](super::OutputForm), which is narrower and dearer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Strip {
+    /// Value for all unknowns in their middles.
+    pub centre: f64,
+    /// One for every unknown.
+    pub slopes: Vec<f64>,
+    /// What is not affine, and what is not known.
+    pub remainder: Interval,
 }
 
 /// A measurement contradicts the form: no solution in it has such a value.
@@ -32,10 +47,18 @@ impl Output {
     }
 
     pub(super) fn compile(graph: &mut Graph, states: usize, expr: ExprId) -> Output {
+        let state = match *graph.node(expr) {
+            Node::Var(Var::State(state)) => Some(state),
+            _ => None,
+        };
         let expr = graph.elementary(expr);
         let code = Code::compile(graph, states, &[expr], &[]);
         let functions = Functions::of(&code);
-        Output { code, functions }
+        Output {
+            state,
+            code,
+            functions,
+        }
     }
 }
 
@@ -47,8 +70,47 @@ impl Form {
     /// Errors: [`Obstacle::Undefined`] and [`Obstacle::Jump`] where the expression has no value or a
     /// `sign` that is not decided, [`Obstacle::Unbounded`] where it is too large.
     pub fn output(&self, output: &Output, inputs: &[Interval]) -> Result<OutputForm, Obstacle> {
+        if let Some(state) = output.state {
+            return Ok(self.state(state));
+        }
         let (polynomial, radius) = self.evaluate(output, inputs)?;
         Ok(self.affine(&polynomial, Interval::symmetric(radius)))
+    }
+
+    /// As [`Form::output`], faster and wider.
+    ///
+    /// Cost: one addition per monomial, for a state; else that of a step of order 0.
+    ///
+    /// Errors: those of [`Form::output`].
+    pub fn strip(&self, output: &Output, inputs: &[Interval]) -> Result<Strip, Obstacle> {
+        if let Some(state) = output.state {
+            return Ok(self.straight(&self.states[state], self.frame.hull()[state]));
+        }
+        let (polynomial, radius) = self.evaluate(output, inputs)?;
+        Ok(self.straight(&polynomial, Interval::symmetric(radius)))
+    }
+
+    /// The affine part of a polynomial, and quick bounds of the rest with `rest`.
+    ///
+    /// A monomial of even exponents is never negative.
+    fn straight(&self, polynomial: &[f64], rest: Interval) -> Strip {
+        let count = self.unknowns.len();
+        let (mut below, mut above) = (0.0, 0.0);
+        for (a, x) in polynomial.iter().enumerate().skip(1 + count) {
+            if *x == 0.0 {
+                continue;
+            }
+            let even = self.monomials.is_even(a);
+            below += if even { (-x).max(0.0) } else { x.abs() };
+            above += if even { x.max(0.0) } else { x.abs() };
+        }
+        let operations = polynomial.len();
+        let curved = Interval::new(-raised(below, operations), raised(above, operations));
+        Strip {
+            centre: polynomial[0],
+            slopes: polynomial[1..=count].to_vec(),
+            remainder: curved.unwrap_or(Interval::ENTIRE) + rest,
+        }
     }
 
     /// A quantity as polynomial in the unknowns, and how far it can be from that.
@@ -131,8 +193,10 @@ impl Form {
         Ok(narrower)
     }
 
-    /// Restricts the unknowns to parts of the unit box.
-    pub(super) fn narrow(&mut self, parts: &[Interval]) {
+    /// Restricts the unknowns to parts of the unit box, and calls these the unit box.
+    ///
+    /// Guarantee: that of [`Form`], for solutions with unknowns in the parts.
+    pub fn narrow(&mut self, parts: &[Interval]) {
         let mut lost = vec![0.0; self.states.len()];
         for (v, part) in parts.iter().enumerate() {
             if *part == Interval::symmetric(1.0) {

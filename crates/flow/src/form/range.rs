@@ -93,8 +93,11 @@ impl Part {
         }
         let mut above = 0.0;
         for (a, x) in polynomial.iter().enumerate().skip(1) {
-            let even = monomials.exponents(a).iter().all(|e| e % 2 == 0);
-            above += if even { x.max(0.0) } else { x.abs() };
+            above += if monomials.is_even(a) {
+                x.max(0.0)
+            } else {
+                x.abs()
+            };
         }
         let operations = polynomial.len() + 2;
         let size = polynomial[0].abs() + above;

@@ -275,6 +275,13 @@ impl Form {
         list.map(|range| (range.unknown, range.bounds())).collect()
     }
 
+    /// What the form depends on, each as `middle + radius δ` with some numbers of these two intervals.
+    pub fn scales(&self) -> Vec<(Unknown, Interval, Interval)> {
+        let list = self.unknowns.iter();
+        list.map(|range| (range.unknown, range.middle, range.radius))
+            .collect()
+    }
+
     /// Time since the start.
     pub fn elapsed(&self) -> Interval {
         self.elapsed

@@ -1,0 +1,167 @@
+//! What identification is asked, and what it says.
+
+use veribound_interval::{Decimal, Interval};
+
+/// What is wanted, and what may be spent. No option changes what is proved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IdentifyOptions {
+    /// Outer bounds need not be wider than this many times the inner ones.
+    pub tightness: f64,
+    /// The part of the prior that may stay undecided in the paving, as a share of the volume of the outer box;
+    /// `None` asks for no paving.
+    pub undecided: Option<f64>,
+    /// Most sets that are looked at.
+    pub sets: usize,
+    /// Threads; the result does not depend on them.
+    pub threads: usize,
+}
+
+impl Default for IdentifyOptions {
+    fn default() -> Self {
+        IdentifyOptions {
+            tightness: 1.05,
+            undecided: None,
+            sets: 2000,
+            threads: 1,
+        }
+    }
+}
+
+/// Bounds from both sides.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// Every value that agrees with model and records lies inside; empty where none does.
+    pub outer: Interval,
+    /// Between the ends of this, if there is any, lie proved values: both ends are values of points that are
+    /// proved to agree with model and records.
+    pub inner: Option<Interval>,
+}
+
+impl Bounds {
+    /// How many times wider the outer bounds are than the inner ones, at most; infinite without inner ones.
+    pub fn tightness(&self) -> f64 {
+        match self.inner {
+            Some(inner) if self.outer.width() == 0.0 => 1.0 + inner.width(),
+            Some(inner) => self.outer.width() / inner.width(),
+            None => f64::INFINITY,
+        }
+    }
+}
+
+/// What is known of the parameters in a tile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Status {
+    /// All agree with model and records, with some start states.
+    Inside,
+    /// None does.
+    Outside,
+    /// Not known.
+    Undecided,
+}
+
+/// Why a tile has its status.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Reason {
+    /// A quantity cannot have the value that this sample tells.
+    Sample {
+        /// Position of the record.
+        record: usize,
+        /// Position of the sample.
+        sample: usize,
+    },
+    /// These samples together exclude it, by their positions.
+    Samples {
+        /// Position of the record.
+        record: usize,
+        /// Positions of the samples, in order.
+        samples: Vec<usize>,
+    },
+    /// All samples are met.
+    Met,
+    /// The budget is spent, or the tile is as small as was wanted.
+    Budget,
+    /// Solutions could not be enclosed up to the end of the record.
+    Stopped,
+}
+
+/// A box of parameters, and what is known of it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Tile {
+    /// One interval per parameter.
+    pub params: Vec<Interval>,
+    /// What is known.
+    pub status: Status,
+    /// Why.
+    pub reason: Reason,
+}
+
+/// A sample that contradicts the model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refuted {
+    /// Position of the record.
+    pub record: usize,
+    /// Positions of the samples that refute the model together, in order, as few as were found.
+    pub samples: Vec<usize>,
+    /// Time stamp of the last of them.
+    pub time: Decimal,
+    /// Its line in the file.
+    pub line: usize,
+}
+
+/// How it ended.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Conclusion {
+    /// A point is proved to agree with model and records.
+    Consistent,
+    /// Proved: nothing does. The sample up to which the records have to be read to see it.
+    Inconsistent(Refuted),
+    /// Neither is proved.
+    Undecided,
+}
+
+/// What was proved about parameters and start states.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Identified {
+    /// How it ended.
+    pub conclusion: Conclusion,
+    /// One entry per parameter.
+    pub params: Vec<Bounds>,
+    /// For every record, one entry per state at its first sample.
+    pub starts: Vec<Vec<Bounds>>,
+    /// Parameters proved to agree with model and records, with the points where they reach farthest.
+    pub points: Vec<Vec<Interval>>,
+    /// Tiles that cover the prior, if a paving was asked.
+    pub tiles: Vec<Tile>,
+    /// Sets that were looked at.
+    pub sets: usize,
+    /// Times that a set was moved through a record.
+    pub passes: usize,
+    /// Whether it ended because it was asked to.
+    pub interrupted: bool,
+    /// What limits the bounds: for every parameter, in words for the user's names.
+    pub limits: Vec<Limit>,
+}
+
+/// What limits the bounds of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Limit {
+    /// The record tells no more: outer and inner bounds are as near to each other as was wanted.
+    Record,
+    /// More sets would have to be looked at.
+    Budget,
+    /// Solutions could not be enclosed to the end of the record.
+    Enclosure,
+}
+
+/// How far identification has come.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Progress {
+    /// Sets that were looked at.
+    pub sets: usize,
+    /// Sets that wait.
+    pub waiting: usize,
+    /// Volume of the box around all sets that are left, as share of the prior.
+    pub left: f64,
+    /// The largest ratio of outer and inner bounds so far.
+    pub tightness: f64,
+}

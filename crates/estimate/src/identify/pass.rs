@@ -1,0 +1,269 @@
+//! One form through a stretch of a record, and what the samples on its way say.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: unknowns in the order of the form's, samples and quantities of the problem"
+)]
+
+use std::cell::Cell as Shared;
+
+use super::problem::{Course, Problem};
+use super::rows::Rows;
+use super::simplex::{Program, Side, minimum, refutes};
+use veribound_flow::form::{Diverged, Form, FormOptions, Meeting, Unknown};
+use veribound_interval::Interval;
+
+/// Rows are asked for narrower unknowns when so many times the samples of the last time were met.
+const NEXT: f64 = 1.25;
+
+/// Unknowns that keep more than this share of their width are not written anew on the way.
+const WORTHWHILE: f64 = 0.8;
+
+/// A pass ends where nothing was told by so many samples, because what is no function of the unknowns hides it.
+const HIDDEN: usize = 60;
+
+/// What is asked of a pass.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Span {
+    /// First and last sample.
+    pub(crate) from: usize,
+    pub(crate) until: usize,
+}
+
+/// Why a set contains no solution that agrees with the record.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Conflict {
+    /// A quantity cannot have the value that a sample tells.
+    Value {
+        sample: usize,
+        quantity: usize,
+        enclosure: Interval,
+        told: Interval,
+    },
+    /// These samples together.
+    Rows { samples: Vec<usize> },
+}
+
+/// What a pass came to.
+pub(crate) struct Passed {
+    /// What the unknowns are, as far as they are narrowed, each `middle + radius δ`.
+    pub(crate) scales: Vec<(Unknown, Interval, Interval)>,
+    /// What samples say of them.
+    pub(crate) rows: Rows,
+    /// The last sample that was met.
+    pub(crate) reached: usize,
+    /// Whether every sample met is proved to be met by all unknowns that satisfy the inner rows.
+    pub(crate) is_complete: bool,
+    /// How far from linear what was told depends on each unknown; a hint.
+    pub(crate) conflict: Option<Conflict>,
+    pub(crate) failure: Option<Diverged>,
+    /// Largest share of what is told that is no affine function of the unknowns.
+    pub(crate) blur: f64,
+}
+
+/// Meets samples.
+struct Meeter<'a> {
+    problem: &'a Problem,
+    course: &'a Course,
+    span: Span,
+    params: &'a [Interval],
+    rows: Rows,
+    reached: usize,
+    is_complete: bool,
+    conflict: Option<Conflict>,
+    hidden: usize,
+    next: usize,
+    narrows: bool,
+    blur: f64,
+    over: &'a Shared<bool>,
+    last: Option<Form>,
+}
+
+/// Moves the set of all `states` at the sample `span.from` and all `params` to the sample `span.until`.
+///
+/// Guarantee: every solution in the set that agrees with all samples on the way has unknowns that the result
+/// tells, and satisfies its rows; a conflict proves that there is none.
+pub(crate) fn pass(
+    problem: &Problem,
+    course: &Course,
+    span: Span,
+    (states, params): (&[Interval], &[Interval]),
+    options: FormOptions,
+    narrows: bool,
+) -> Passed {
+    let form = problem.flow.start(states, params, options);
+    let over = Shared::new(false);
+    let scales = form.scales();
+    let mut meeter = Meeter {
+        problem,
+        course,
+        span,
+        params,
+        rows: Rows::new(scales.len()),
+        reached: span.from,
+        is_complete: true,
+        conflict: None,
+        hidden: 0,
+        next: span.from + 2,
+        narrows,
+        blur: 0.0,
+        over: &over,
+        last: Some(form.clone()),
+    };
+    let stretches = &course.stretches[span.from..span.until];
+    let failure = problem
+        .flow
+        .follow(
+            form,
+            stretches,
+            &mut |meeting| meeter.meet(meeting),
+            &|_| !over.get(),
+        )
+        .err();
+    let scales = meeter.last.as_ref().map_or(scales, Form::scales);
+    Passed {
+        scales,
+        rows: meeter.rows,
+        reached: meeter.reached,
+        is_complete: meeter.is_complete,
+        conflict: meeter.conflict,
+        failure: failure.filter(|_| !over.get()),
+        blur: meeter.blur,
+    }
+}
+
+impl Meeter<'_> {
+    fn meet(&mut self, meeting: Meeting<'_>) {
+        if self.over.get() {
+            return;
+        }
+        let sample = self.span.from + meeting.stretch;
+        let instant = &self.course.instants[sample];
+        self.reached = sample;
+        let inputs = &instant.inputs;
+        match meeting.form {
+            None => {
+                let both = self.course.inputs_at(sample);
+                if self
+                    .problem
+                    .flow
+                    .may_jump(meeting.states, self.params, &both)
+                {
+                    self.is_complete = false;
+                    return;
+                }
+                let box_ = [meeting.states, self.params, inputs].concat();
+                for (quantity, told) in &instant.told {
+                    let enclosure = self.problem.quantities[*quantity].on_box(&box_);
+                    self.judge(sample, (*quantity, enclosure, *told));
+                    self.is_complete &= enclosure.is_subset_of(*told);
+                }
+            }
+            Some(form) => {
+                let both = self.course.inputs_at(sample);
+                if self.problem.flow.may_jump(&form.hull(), self.params, &both) {
+                    self.is_complete = false;
+                    return;
+                }
+                for (quantity, told) in &instant.told {
+                    let on_forms = &self.problem.quantities[*quantity].on_forms;
+                    let Ok(strip) = form.strip(on_forms, inputs) else {
+                        self.is_complete = false;
+                        continue;
+                    };
+                    let rest = strip.remainder + Interval::point(strip.centre);
+                    let reach: f64 = strip.slopes.iter().map(|g| g.abs()).sum();
+                    let reach = Interval::symmetric(reach * (1.0 + 1e-12));
+                    self.judge(sample, (*quantity, rest + reach, *told));
+                    if strip.remainder.width() > 2.0 * told.width() + 1e-9 * reach.hi() {
+                        self.hidden += 1;
+                    } else {
+                        self.hidden = 0;
+                    }
+                    if told.width() > 0.0 {
+                        self.blur = self.blur.max(strip.remainder.width() / told.width());
+                    }
+                    self.rows.push(&strip.slopes, rest, *told, sample);
+                }
+                if self.narrows && sample >= self.next && self.conflict.is_none() {
+                    let met = (sample - self.span.from) as f64;
+                    self.next = self.span.from + (met * NEXT).ceil() as usize + 1;
+                    self.narrow(form);
+                }
+                if sample == self.span.until || self.hidden > HIDDEN {
+                    self.last = Some(form.clone());
+                }
+            }
+        }
+        if self.conflict.is_some() || self.hidden > HIDDEN {
+            self.over.set(true);
+        }
+    }
+
+    fn judge(&mut self, sample: usize, (quantity, enclosure, told): (usize, Interval, Interval)) {
+        if !enclosure.intersects(told) && !enclosure.is_empty() {
+            self.conflict.get_or_insert(Conflict::Value {
+                sample,
+                quantity,
+                enclosure,
+                told,
+            });
+        }
+    }
+
+    /// Writes the unknowns anew where the rows leave little of them.
+    fn narrow(&mut self, form: &mut Form) {
+        self.rows.prune();
+        match contract(&self.rows) {
+            Err(conflict) => self.conflict = Some(conflict),
+            Ok(parts) => {
+                if parts.iter().any(|part| part.rad() < WORTHWHILE) {
+                    form.narrow(&parts);
+                    let scales = parts.iter().map(|part| {
+                        let (middle, radius) = part.mid_rad();
+                        (Interval::point(middle), Interval::point(radius))
+                    });
+                    self.rows.rescale(&scales.collect::<Vec<_>>());
+                }
+            }
+        }
+        self.last = Some(form.clone());
+    }
+}
+
+/// The smallest box around what the outer rows leave of the unit box, about, and proved to contain it.
+pub(crate) fn contract(rows: &Rows) -> Result<Vec<Interval>, Conflict> {
+    let mut part = vec![Interval::symmetric(1.0); rows.unknowns()];
+    for v in 0..part.len() {
+        for sign in [1.0, -1.0] {
+            let program = Program::new(rows, &part, Side::Outer);
+            let mut direction = vec![0.0; part.len()];
+            direction[v] = sign;
+            let vertex = program.minimize(&direction);
+            let samples = || {
+                let rows_held = vertex.multipliers.iter();
+                let mut samples: Vec<usize> = rows_held.map(|(row, _)| rows.sample(*row)).collect();
+                samples.sort_unstable();
+                samples.dedup();
+                samples
+            };
+            if vertex.is_impossible {
+                if refutes(rows, &part, &vertex.multipliers) {
+                    return Err(Conflict::Rows { samples: samples() });
+                }
+                continue;
+            }
+            let least = minimum(rows, &part, &direction, &vertex.multipliers);
+            let half = if sign > 0.0 {
+                Interval::new(least, f64::INFINITY)
+            } else {
+                Interval::new(f64::NEG_INFINITY, -least)
+            };
+            let narrowed = half.map_or(Interval::EMPTY, |half| part[v].intersect(half));
+            if narrowed.is_empty() {
+                return Err(Conflict::Rows { samples: samples() });
+            }
+            part[v] = narrowed;
+        }
+    }
+    Ok(part)
+}

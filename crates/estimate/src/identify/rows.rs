@@ -1,0 +1,204 @@
+//! Rows: what samples say about the unknowns, as two-sided linear inequalities.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: every row has one slope per unknown, and one entry in each list"
+)]
+
+use veribound_interval::Interval;
+use veribound_interval::round::{sub_down, sub_up};
+
+/// Two-sided inequalities `g·δ ∈ [b]` in unknowns `δ` of the unit box.
+///
+/// Guarantee: for every solution that agrees with the record, and its unknowns `δ`, `g·δ` lies in
+/// [`Rows::outer`]. If `g·δ` lies in [`Rows::inner`], every solution with these unknowns agrees with the sample
+/// that the row is from, whatever inputs and rounding do.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Rows {
+    unknowns: usize,
+    slopes: Vec<f64>,
+    outer: Vec<Interval>,
+    inner: Vec<Interval>,
+    samples: Vec<u32>,
+}
+
+impl Rows {
+    pub(crate) fn new(unknowns: usize) -> Rows {
+        Rows {
+            unknowns,
+            ..Rows::default()
+        }
+    }
+
+    /// Number of unknowns.
+    pub(crate) fn unknowns(&self) -> usize {
+        self.unknowns
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.outer.len()
+    }
+
+    pub(crate) fn slopes(&self, row: usize) -> &[f64] {
+        &self.slopes[row * self.unknowns..(row + 1) * self.unknowns]
+    }
+
+    /// What `g·δ` must be where the record is met.
+    pub(crate) fn outer(&self, row: usize) -> Interval {
+        self.outer[row]
+    }
+
+    /// Where `g·δ` proves that the record is met; maybe empty.
+    pub(crate) fn inner(&self, row: usize) -> Interval {
+        self.inner[row]
+    }
+
+    /// The sample a row is from.
+    pub(crate) fn sample(&self, row: usize) -> usize {
+        self.samples[row] as usize
+    }
+
+    /// Adds what a sample says: the quantity `rest + g·δ`, with any value of `rest`, is in `measured`.
+    pub(crate) fn push(
+        &mut self,
+        slopes: &[f64],
+        rest: Interval,
+        measured: Interval,
+        sample: usize,
+    ) {
+        self.slopes.extend_from_slice(slopes);
+        self.outer.push(measured - rest);
+        self.inner.push(shrunk(measured, rest));
+        self.samples.push(u32::try_from(sample).unwrap_or(u32::MAX));
+    }
+
+    /// Goes over to other unknowns `δ'` of the unit box: `δ_i = middle_i + radius_i δ'_i`, with some numbers
+    /// of these intervals.
+    ///
+    /// Proof. `g·δ = g·m + (g r)·δ'`, and the product `g r` is rounded to `g'`; what it lost, times `δ'` of the
+    /// unit box, and `g·m` go to the bounds.
+    pub(crate) fn rescale(&mut self, scales: &[(Interval, Interval)]) {
+        let unit = Interval::symmetric(1.0);
+        let same = (Interval::ZERO, Interval::ONE);
+        let changed: Vec<usize> = (0..scales.len()).filter(|v| scales[*v] != same).collect();
+        if changed.is_empty() {
+            return;
+        }
+        for row in 0..self.len() {
+            let mut moved = Interval::ZERO;
+            for v in &changed {
+                let slope = &mut self.slopes[row * self.unknowns + v];
+                if *slope == 0.0 {
+                    continue;
+                }
+                let (middle, radius) = scales[*v];
+                let old = Interval::point(*slope);
+                let product = old * radius;
+                let rounded = product.mid();
+                moved += old * middle;
+                moved += (product - Interval::point(rounded)) * unit;
+                *slope = rounded;
+            }
+            self.outer[row] = self.outer[row] - moved;
+            self.inner[row] = shrunk(self.inner[row], moved);
+        }
+    }
+
+    /// Leaves out the rows that say nothing about the unit box.
+    pub(crate) fn prune(&mut self) {
+        let unknowns = self.unknowns;
+        let mut kept = 0;
+        for row in 0..self.len() {
+            let reach: f64 = self.slopes(row).iter().map(|g| g.abs()).sum();
+            let reach = Interval::symmetric(reach * (1.0 + 1e-12));
+            if reach.is_subset_of(self.inner[row]) {
+                continue;
+            }
+            if kept < row {
+                self.slopes
+                    .copy_within(row * unknowns..(row + 1) * unknowns, kept * unknowns);
+                self.outer[kept] = self.outer[row];
+                self.inner[kept] = self.inner[row];
+                self.samples[kept] = self.samples[row];
+            }
+            kept += 1;
+        }
+        self.slopes.truncate(kept * unknowns);
+        self.outer.truncate(kept);
+        self.inner.truncate(kept);
+        self.samples.truncate(kept);
+    }
+}
+
+/// All numbers `x` with `x + rest` inside `whole`, whatever `rest` is: rounded inward.
+fn shrunk(whole: Interval, rest: Interval) -> Interval {
+    if whole.is_empty() || rest.is_empty() {
+        return Interval::EMPTY;
+    }
+    let lo = sub_up(whole.lo(), rest.lo());
+    let hi = sub_down(whole.hi(), rest.hi());
+    Interval::new(lo, hi).unwrap_or(Interval::EMPTY)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn interval(lo: f64, hi: f64) -> Interval {
+        Interval::new(lo, hi).unwrap_or(Interval::EMPTY)
+    }
+
+    #[test]
+    fn outer_is_wider_and_inner_narrower() {
+        let mut rows = Rows::new(1);
+        rows.push(&[0.1], interval(0.3, 0.4), interval(0.0, 1.0), 0);
+        assert!(rows.outer(0).lo() <= -0.4 && rows.outer(0).hi() >= 0.7);
+        assert!(rows.inner(0).lo() >= -0.3 && rows.inner(0).hi() <= 0.6);
+        rows.push(&[0.1], interval(0.0, 2.0), interval(0.0, 1.0), 1);
+        assert!(rows.inner(1).is_empty());
+    }
+
+    /// Whatever the unknowns, a row in new ones says no more than before outside, and no less inside.
+    #[test]
+    fn rows_in_new_unknowns_mean_the_same() {
+        let third = Interval::ONE / Interval::point(3.0);
+        let scales = [
+            (Interval::point(0.2), third),
+            (Interval::ZERO, Interval::ONE),
+        ];
+        let mut rows = Rows::new(2);
+        for at in [[-1.0, -0.5], [0.2, 0.9], [1.0, 1.0], [0.3, -1.0]] {
+            let old = (scales[0].0 + third * Interval::point(at[0]), at[1]);
+            let value = Interval::point(0.3) * old.0 + Interval::point(-0.7 * old.1);
+            // A measurement that ends just there.
+            rows.push(&[0.3, -0.7], Interval::ZERO, interval(value.hi(), 2.0), 0);
+            rows.push(&[0.3, -0.7], Interval::ZERO, interval(-2.0, value.lo()), 0);
+        }
+        rows.rescale(&scales);
+        for (k, at) in [[-1.0, -0.5], [0.2, 0.9], [1.0, 1.0], [0.3, -1.0]]
+            .iter()
+            .enumerate()
+        {
+            for row in [2 * k, 2 * k + 1] {
+                let g = rows.slopes(row);
+                let value = Interval::point(g[0]) * Interval::point(at[0])
+                    + Interval::point(g[1]) * Interval::point(at[1]);
+                assert!(
+                    value.intersects(rows.outer(row)),
+                    "{value} {}",
+                    rows.outer(row)
+                );
+                assert!(!rows.inner(row).contains(value.mid()) || rows.inner(row).width() < 2.0);
+                assert!(rows.inner(row).is_subset_of(rows.outer(row)));
+            }
+        }
+    }
+
+    #[test]
+    fn rows_that_cut_nothing_are_left_out() {
+        let mut rows = Rows::new(1);
+        rows.push(&[0.1], Interval::ZERO, interval(-0.2, 0.2), 7);
+        rows.push(&[0.1], Interval::ZERO, interval(-0.2, 0.05), 8);
+        rows.prune();
+        assert_eq!((rows.len(), rows.sample(0)), (1, 8));
+    }
+}

@@ -1,0 +1,280 @@
+//! Linear programs over rows: an unproved vertex, from which proved bounds are made.
+//!
+//! A dual simplex on the few unknowns: it begins in the corner of the box that is best without any row, and
+//! takes in the row that is violated most until none is. All of it is plain floating point and no more than a
+//! hint: [`minimum`] turns the multipliers of the last vertex into a bound that holds for whatever
+//! multipliers, and the multipliers of an impossible row into a proof that nothing is left.
+//!
+//! *Theorem* (Neumaier and Shcherbina, 2004). For any numbers `λ`, and every `δ` in the box with `g_k·δ ∈ [b_k]`
+//! for all `k`: `d·δ = Σ λ_k (g_k·δ) + (d - Σ λ_k g_k)·δ`, so `d·δ` lies in
+//! `Σ λ_k [b_k] + (d - Σ λ_k g_k)·[δ]`. If `0·δ` does not lie in that set for `d = 0`, there is no such `δ`.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: matrices are `n * n`, row by row, vectors `n` long; positions are those of rows"
+)]
+
+use super::rows::Rows;
+use veribound_interval::Interval;
+
+/// Violations below this share of a row's size are none.
+const TOLERANCE: f64 = 1e-11;
+
+/// Steps per unknown before the vertex at hand has to do.
+const MOST_STEPS: usize = 60;
+
+/// Which side of rows a program respects.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Side {
+    /// What must hold where the record is met.
+    Outer,
+    /// What proves that it is met.
+    Inner,
+}
+
+/// A vertex, about.
+#[derive(Debug, Clone)]
+pub(crate) struct Vertex {
+    /// Where it is.
+    pub(crate) point: Vec<f64>,
+    /// Rows with their multipliers.
+    pub(crate) multipliers: Vec<(usize, f64)>,
+    /// Whether the multipliers belong to a row that nothing satisfies.
+    pub(crate) is_impossible: bool,
+}
+
+/// One of the constraints that hold a vertex.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Tight {
+    Unknown(usize),
+    Row(usize),
+}
+
+/// Rows that may cut a box, with their bounds as plain numbers.
+pub(crate) struct Program<'a> {
+    rows: &'a Rows,
+    part: &'a [Interval],
+    chosen: Vec<usize>,
+    bounds: Vec<(f64, f64)>,
+    sizes: Vec<f64>,
+}
+
+impl<'a> Program<'a> {
+    /// The rows that may cut the box `part`.
+    pub(crate) fn new(rows: &'a Rows, part: &'a [Interval], side: Side) -> Program<'a> {
+        let mut program = Program {
+            rows,
+            part,
+            chosen: Vec::new(),
+            bounds: Vec::new(),
+            sizes: Vec::new(),
+        };
+        let centre: Vec<(f64, f64)> = part.iter().map(|x| (x.mid(), x.rad())).collect();
+        for row in 0..rows.len() {
+            let slopes = rows.slopes(row);
+            let (mut middle, mut reach, mut size) = (0.0, 0.0, 0.0_f64);
+            for (slope, (at, radius)) in slopes.iter().zip(&centre) {
+                middle += slope * at;
+                reach += slope.abs() * radius;
+                size += slope.abs();
+            }
+            let bounds = match side {
+                Side::Outer => rows.outer(row),
+                Side::Inner => rows.inner(row),
+            };
+            let (lo, hi) = if bounds.is_empty() {
+                (f64::INFINITY, f64::NEG_INFINITY)
+            } else {
+                (bounds.lo(), bounds.hi())
+            };
+            if (middle - reach < lo || middle + reach > hi) && size > 0.0 {
+                program.chosen.push(row);
+                program.bounds.push((lo, hi));
+                program.sizes.push(size);
+            }
+        }
+        program
+    }
+
+    /// About the least `direction·δ`.
+    pub(crate) fn minimize(&self, direction: &[f64]) -> Vertex {
+        let n = self.part.len();
+        let mut tight: Vec<(Tight, f64)> = Vec::with_capacity(n);
+        for (v, d) in direction.iter().enumerate() {
+            let sign = if *d < 0.0 { -1.0 } else { 1.0 };
+            tight.push((Tight::Unknown(v), sign));
+        }
+        let mut multipliers = direction.to_vec();
+        let mut inverse = vec![0.0; n * n];
+        (0..n).for_each(|i| inverse[i * n + i] = 1.0);
+        let mut point = vec![0.0; n];
+        for _ in 0..MOST_STEPS * (n + 1) {
+            self.place(&tight, &inverse, &mut point);
+            let Some((entering, sign)) = self.most_violated(&point, &tight) else {
+                break;
+            };
+            // The entering row as a sum of those that hold the vertex.
+            let slopes = self.slopes_of(entering);
+            let shares: Vec<f64> = (0..n)
+                .map(|c| (0..n).map(|i| slopes[i] * inverse[i * n + c]).sum())
+                .collect();
+            let mut leaving: Option<(f64, usize)> = None;
+            let largest = shares.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            for (c, share) in shares.iter().enumerate() {
+                // A constraint held from below has a multiplier that is not negative.
+                let along = sign * share * tight[c].1;
+                if along > 1e-10 * largest {
+                    let ratio = (multipliers[c] * tight[c].1 / along).max(0.0);
+                    let closer = leaving.is_none_or(|(best, other)| {
+                        ratio < best || (ratio == best && share.abs() > shares[other].abs())
+                    });
+                    if closer {
+                        leaving = Some((ratio, c));
+                    }
+                }
+            }
+            let Some((ratio, q)) = leaving else {
+                let others = tight.iter().zip(&shares);
+                let mut impossible: Vec<(usize, f64)> = others
+                    .filter_map(|((held, _), share)| Some((self.row_of(*held)?, -sign * share)))
+                    .collect();
+                impossible.extend(self.row_of(entering).map(|row| (row, sign)));
+                return Vertex {
+                    point,
+                    multipliers: impossible,
+                    is_impossible: true,
+                };
+            };
+            for (c, share) in shares.iter().enumerate() {
+                multipliers[c] -= ratio * sign * share;
+            }
+            multipliers[q] = ratio * sign;
+            tight[q] = (entering, sign);
+            for i in 0..n {
+                let pivot = inverse[i * n + q] / shares[q];
+                for c in 0..n {
+                    inverse[i * n + c] -= pivot * shares[c];
+                }
+                inverse[i * n + q] = pivot;
+            }
+        }
+        let held = tight.iter().zip(&multipliers);
+        let multipliers = held
+            .filter_map(|((held, _), m)| Some((self.row_of(*held)?, *m)))
+            .collect();
+        Vertex {
+            point,
+            multipliers,
+            is_impossible: false,
+        }
+    }
+
+    fn row_of(&self, tight: Tight) -> Option<usize> {
+        match tight {
+            Tight::Row(position) => Some(self.chosen[position]),
+            Tight::Unknown(_) => None,
+        }
+    }
+
+    fn slopes_of(&self, tight: Tight) -> Vec<f64> {
+        match tight {
+            Tight::Row(position) => self.rows.slopes(self.chosen[position]).to_vec(),
+            Tight::Unknown(v) => {
+                let mut unit = vec![0.0; self.part.len()];
+                unit[v] = 1.0;
+                unit
+            }
+        }
+    }
+
+    /// Where all these constraints hold with equality.
+    fn place(&self, tight: &[(Tight, f64)], inverse: &[f64], point: &mut [f64]) {
+        let n = point.len();
+        let value = |(held, sign): &(Tight, f64)| {
+            let (lo, hi) = match held {
+                Tight::Row(position) => self.bounds[*position],
+                Tight::Unknown(v) => (self.part[*v].lo(), self.part[*v].hi()),
+            };
+            if *sign > 0.0 { lo } else { hi }
+        };
+        let values: Vec<f64> = tight.iter().map(value).collect();
+        for (i, x) in point.iter_mut().enumerate() {
+            let row = &inverse[i * n..(i + 1) * n];
+            *x = row.iter().zip(&values).map(|(m, value)| m * value).sum();
+        }
+    }
+
+    /// The constraint that the point violates most, and its side: 1 where it is too small.
+    fn most_violated(&self, point: &[f64], tight: &[(Tight, f64)]) -> Option<(Tight, f64)> {
+        let mut worst = TOLERANCE;
+        let mut found = None;
+        let mut ask = |held: Tight, x: f64, (lo, hi): (f64, f64), size: f64| {
+            let (below, above) = ((lo - x) / size, (x - hi) / size);
+            if below > worst || above > worst {
+                let sign = if below >= above { 1.0 } else { -1.0 };
+                if !tight.contains(&(held, sign)) {
+                    worst = below.max(above);
+                    found = Some((held, sign));
+                }
+            }
+        };
+        for (v, x) in point.iter().enumerate() {
+            let bounds = (self.part[v].lo(), self.part[v].hi());
+            ask(Tight::Unknown(v), *x, bounds, 1.0);
+        }
+        for (position, row) in self.chosen.iter().enumerate() {
+            let slopes = self.rows.slopes(*row);
+            let x: f64 = slopes.iter().zip(point).map(|(g, x)| g * x).sum();
+            ask(
+                Tight::Row(position),
+                x,
+                self.bounds[position],
+                self.sizes[position],
+            );
+        }
+        found
+    }
+}
+
+/// A proved lower bound of `direction·δ` over the box `part` and the outer rows, from some multipliers.
+pub(crate) fn minimum(
+    rows: &Rows,
+    part: &[Interval],
+    direction: &[f64],
+    multipliers: &[(usize, f64)],
+) -> f64 {
+    let sum = combined(rows, part, direction, multipliers);
+    if sum.is_empty() {
+        f64::INFINITY
+    } else {
+        sum.lo()
+    }
+}
+
+/// Whether the multipliers prove that no unknowns of the box `part` satisfy the outer rows.
+pub(crate) fn refutes(rows: &Rows, part: &[Interval], multipliers: &[(usize, f64)]) -> bool {
+    let zero = vec![0.0; part.len()];
+    !combined(rows, part, &zero, multipliers).contains(0.0)
+}
+
+/// `Σ λ_k [b_k] + (d - Σ λ_k g_k)·[δ]`.
+fn combined(
+    rows: &Rows,
+    part: &[Interval],
+    direction: &[f64],
+    multipliers: &[(usize, f64)],
+) -> Interval {
+    let mut rest: Vec<Interval> = direction.iter().map(|d| Interval::point(*d)).collect();
+    let mut sum = Interval::ZERO;
+    for (row, multiplier) in multipliers {
+        if !multiplier.is_finite() || *multiplier == 0.0 {
+            continue;
+        }
+        let multiplier = Interval::point(*multiplier);
+        sum += multiplier * rows.outer(*row);
+        for (rest, slope) in rest.iter_mut().zip(rows.slopes(*row)) {
+            *rest = *rest - multiplier * Interval::point(*slope);
+        }
+    }
+    let left = rest.iter().zip(part);
+    left.fold(sum, |sum, (rest, x)| sum + *rest * *x)
+}
