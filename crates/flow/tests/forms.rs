@@ -110,6 +110,7 @@ fn at(form: &Form, affine: &OutputForm, x: &[f64], p: &[f64]) -> Interval {
         let own = match unknown {
             Unknown::Start(i) => x[*i],
             Unknown::Param(i) => p[*i],
+            Unknown::Axis(_) => panic!("a box has no axes"),
         };
         let delta = Interval::point(own) - Interval::point(range.mid());
         value += Interval::point(*slope) * (delta / Interval::point(range.rad()));

@@ -91,6 +91,7 @@ fn advance(target: &Target, flow: &Flow, rng: &mut Rng, tally: &mut Tally) {
                         let own = match unknown {
                             Unknown::Start(i) => start[*i],
                             Unknown::Param(i) => p[*i],
+                            Unknown::Axis(_) => panic!("a box has no axes"),
                         };
                         let delta = Interval::point(own) - Interval::point(range.mid());
                         value += Interval::point(*slope) * (delta / Interval::point(range.rad()));

@@ -7,9 +7,10 @@
 use std::cell::Cell as Shared;
 
 use super::problem::{Course, Problem};
-use super::rows::Rows;
+use super::region::scales_of;
+use super::rows::{Affine, Rows};
 use super::simplex::{Program, Side, minimum, refutes};
-use veribound_flow::form::{Diverged, Form, FormOptions, Meeting, Unknown};
+use veribound_flow::form::{Form, FormOptions, Meeting, Parallelotope};
 use veribound_interval::Interval;
 
 /// Rows are asked for narrower unknowns when so many times the samples of the last time were met.
@@ -18,8 +19,12 @@ const NEXT: f64 = 1.25;
 /// Unknowns that keep more than this share of their width are not written anew on the way.
 const WORTHWHILE: f64 = 0.8;
 
-/// A pass ends where nothing was told by so many samples, because what is no function of the unknowns hides it.
-const HIDDEN: usize = 60;
+/// A sample tells little where what is no affine function of the unknowns is so many times wider than what was
+/// measured,
+const BLURRED: f64 = 2.0;
+
+/// and a pass ends after so many of these in a row.
+const HIDDEN: usize = 12;
 
 /// What is asked of a pass.
 #[derive(Debug, Clone, Copy)]
@@ -39,25 +44,25 @@ pub(crate) enum Conflict {
         enclosure: Interval,
         told: Interval,
     },
-    /// These samples together.
-    Rows { samples: Vec<usize> },
+    /// These samples together, each with its record.
+    Rows { samples: Vec<(usize, usize)> },
 }
 
 /// What a pass came to.
 pub(crate) struct Passed {
-    /// What the unknowns are, as far as they are narrowed, each `middle + radius δ`.
-    pub(crate) scales: Vec<(Unknown, Interval, Interval)>,
+    /// What the axes are, as far as they are narrowed, each `middle + radius δ`.
+    pub(crate) scales: Vec<(Interval, Interval)>,
     /// What samples say of them.
     pub(crate) rows: Rows,
     /// The last sample that was met.
     pub(crate) reached: usize,
-    /// Whether every sample met is proved to be met by all unknowns that satisfy the inner rows.
+    /// Whether every sample on the way is proved to be met by all unknowns that satisfy the inner rows.
     pub(crate) is_complete: bool,
-    /// How far from linear what was told depends on each unknown; a hint.
     pub(crate) conflict: Option<Conflict>,
-    pub(crate) failure: Option<Diverged>,
-    /// Largest share of what is told that is no affine function of the unknowns.
-    pub(crate) blur: f64,
+    /// About how far from linear what was told depends on each axis.
+    pub(crate) curvature: Vec<f64>,
+    /// The last sample that told something, and the states there.
+    pub(crate) anchor: Option<(usize, Vec<Affine>)>,
 }
 
 /// Meets samples.
@@ -72,13 +77,14 @@ struct Meeter<'a> {
     conflict: Option<Conflict>,
     hidden: usize,
     next: usize,
-    narrows: bool,
-    blur: f64,
+    curvature: Vec<f64>,
+    scales: Vec<(Interval, Interval)>,
+    anchor: Option<(usize, Vec<Affine>)>,
     over: &'a Shared<bool>,
-    last: Option<Form>,
 }
 
-/// Moves the set of all `states` at the sample `span.from` and all `params` to the sample `span.until`.
+/// Moves a set of states at the sample `span.from`, with parameters, to the sample `span.until`; `params` is a box
+/// around these. The unknowns are narrowed on the way.
 ///
 /// Guarantee: every solution in the set that agrees with all samples on the way has unknowns that the result
 /// tells, and satisfies its rows; a conflict proves that there is none.
@@ -86,49 +92,45 @@ pub(crate) fn pass(
     problem: &Problem,
     course: &Course,
     span: Span,
-    (states, params): (&[Interval], &[Interval]),
+    (set, params): (&Parallelotope, &[Interval]),
     options: FormOptions,
-    narrows: bool,
 ) -> Passed {
-    let form = problem.flow.start(states, params, options);
+    let form = problem.flow.start_in(set, options);
     let over = Shared::new(false);
-    let scales = form.scales();
     let mut meeter = Meeter {
         problem,
         course,
         span,
         params,
-        rows: Rows::new(scales.len()),
+        rows: Rows::new(form.scales().len()),
         reached: span.from,
         is_complete: true,
         conflict: None,
         hidden: 0,
         next: span.from + 2,
-        narrows,
-        blur: 0.0,
+        curvature: form.curvature(),
+        scales: scales(&form),
+        anchor: None,
         over: &over,
-        last: Some(form.clone()),
     };
     let stretches = &course.stretches[span.from..span.until];
-    let failure = problem
-        .flow
-        .follow(
-            form,
-            stretches,
-            &mut |meeting| meeter.meet(meeting),
-            &|_| !over.get(),
-        )
-        .err();
-    let scales = meeter.last.as_ref().map_or(scales, Form::scales);
+    let meet = &mut |meeting: Meeting<'_>| meeter.meet(meeting);
+    let moved = problem.flow.follow(form, stretches, meet, &|_| !over.get());
+    let is_complete = meeter.is_complete && moved.is_ok() && meeter.reached == span.until;
     Passed {
-        scales,
+        scales: meeter.scales,
         rows: meeter.rows,
         reached: meeter.reached,
-        is_complete: meeter.is_complete,
+        is_complete,
         conflict: meeter.conflict,
-        failure: failure.filter(|_| !over.get()),
-        blur: meeter.blur,
+        curvature: meeter.curvature,
+        anchor: meeter.anchor,
     }
+}
+
+fn scales(form: &Form) -> Vec<(Interval, Interval)> {
+    let list = form.scales().into_iter();
+    list.map(|(_, middle, radius)| (middle, radius)).collect()
 }
 
 impl Meeter<'_> {
@@ -164,6 +166,7 @@ impl Meeter<'_> {
                     self.is_complete = false;
                     return;
                 }
+                let (mut clear, mut blurred) = (false, false);
                 for (quantity, told) in &instant.told {
                     let on_forms = &self.problem.quantities[*quantity].on_forms;
                     let Ok(strip) = form.strip(on_forms, inputs) else {
@@ -174,23 +177,31 @@ impl Meeter<'_> {
                     let reach: f64 = strip.slopes.iter().map(|g| g.abs()).sum();
                     let reach = Interval::symmetric(reach * (1.0 + 1e-12));
                     self.judge(sample, (*quantity, rest + reach, *told));
-                    if strip.remainder.width() > 2.0 * told.width() + 1e-9 * reach.hi() {
-                        self.hidden += 1;
-                    } else {
-                        self.hidden = 0;
+                    if *quantity < self.problem.outputs {
+                        let is_blurred = strip.remainder.width() > BLURRED * told.width();
+                        clear |= !is_blurred;
+                        blurred |= is_blurred;
                     }
-                    if told.width() > 0.0 {
-                        self.blur = self.blur.max(strip.remainder.width() / told.width());
-                    }
-                    self.rows.push(&strip.slopes, rest, *told, sample);
+                    self.rows.push(&strip.slopes, rest, *told, sample, 0);
                 }
-                if self.narrows && sample >= self.next && self.conflict.is_none() {
+                if clear {
+                    self.hidden = 0;
+                    let states = form.strips().into_iter().map(|strip| Affine {
+                        rest: strip.remainder + Interval::point(strip.centre),
+                        slopes: strip.slopes,
+                    });
+                    self.anchor = Some((sample, states.collect()));
+                } else if blurred {
+                    self.hidden += 1;
+                    self.curvature = form.curvature();
+                }
+                if sample >= self.next && self.conflict.is_none() {
                     let met = (sample - self.span.from) as f64;
                     self.next = self.span.from + (met * NEXT).ceil() as usize + 1;
                     self.narrow(form);
                 }
-                if sample == self.span.until || self.hidden > HIDDEN {
-                    self.last = Some(form.clone());
+                if sample == self.span.until {
+                    self.curvature = form.curvature();
                 }
             }
         }
@@ -218,15 +229,16 @@ impl Meeter<'_> {
             Ok(parts) => {
                 if parts.iter().any(|part| part.rad() < WORTHWHILE) {
                     form.narrow(&parts);
-                    let scales = parts.iter().map(|part| {
-                        let (middle, radius) = part.mid_rad();
-                        (Interval::point(middle), Interval::point(radius))
-                    });
-                    self.rows.rescale(&scales.collect::<Vec<_>>());
+                    let by = scales_of(&parts);
+                    self.rows.rescale(&by);
+                    for state in self.anchor.iter_mut().flat_map(|(_, states)| states) {
+                        state.rescale(&by);
+                    }
+                    self.scales = scales(form);
                 }
+                self.curvature = form.curvature();
             }
         }
-        self.last = Some(form.clone());
     }
 }
 
@@ -241,7 +253,8 @@ pub(crate) fn contract(rows: &Rows) -> Result<Vec<Interval>, Conflict> {
             let vertex = program.minimize(&direction);
             let samples = || {
                 let rows_held = vertex.multipliers.iter();
-                let mut samples: Vec<usize> = rows_held.map(|(row, _)| rows.sample(*row)).collect();
+                let mut samples: Vec<(usize, usize)> =
+                    rows_held.map(|(row, _)| rows.origin(*row)).collect();
                 samples.sort_unstable();
                 samples.dedup();
                 samples

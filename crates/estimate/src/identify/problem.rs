@@ -58,6 +58,13 @@ pub(crate) struct Course {
 }
 
 impl Course {
+    /// The last sample up to which parameters are the same as at the first.
+    pub(crate) fn horizon(&self) -> usize {
+        let mut instants = self.instants.iter();
+        let reset = instants.position(|instant| !instant.resets.is_empty());
+        reset.unwrap_or(self.instants.len()).saturating_sub(1)
+    }
+
     /// The inputs that may act at a sample: those until then, and those from then on.
     pub(crate) fn inputs_at(&self, sample: usize) -> Vec<Interval> {
         let now = &self.instants[sample].inputs;

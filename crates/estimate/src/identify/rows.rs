@@ -18,7 +18,8 @@ pub(crate) struct Rows {
     slopes: Vec<f64>,
     outer: Vec<Interval>,
     inner: Vec<Interval>,
-    samples: Vec<u32>,
+    /// Sample and record.
+    origins: Vec<(u32, u32)>,
 }
 
 impl Rows {
@@ -52,9 +53,10 @@ impl Rows {
         self.inner[row]
     }
 
-    /// The sample a row is from.
-    pub(crate) fn sample(&self, row: usize) -> usize {
-        self.samples[row] as usize
+    /// The sample and the record a row is from.
+    pub(crate) fn origin(&self, row: usize) -> (usize, usize) {
+        let (sample, record) = self.origins[row];
+        (sample as usize, record as usize)
     }
 
     /// Adds what a sample says: the quantity `rest + g·δ`, with any value of `rest`, is in `measured`.
@@ -64,40 +66,38 @@ impl Rows {
         rest: Interval,
         measured: Interval,
         sample: usize,
+        record: usize,
     ) {
         self.slopes.extend_from_slice(slopes);
         self.outer.push(measured - rest);
         self.inner.push(shrunk(measured, rest));
-        self.samples.push(u32::try_from(sample).unwrap_or(u32::MAX));
+        self.origins.push((short(sample), short(record)));
+    }
+
+    /// Adds rows in some of the unknowns, of which `kept` tells the positions, from another record.
+    pub(crate) fn take(&mut self, other: &Rows, kept: &[usize], record: usize) {
+        for row in 0..other.len() {
+            let begin = self.slopes.len();
+            self.slopes.resize(begin + self.unknowns, 0.0);
+            for (axis, slope) in kept.iter().zip(other.slopes(row)) {
+                self.slopes[begin + axis] = *slope;
+            }
+            self.outer.push(other.outer[row]);
+            self.inner.push(other.inner[row]);
+            self.origins.push((other.origins[row].0, short(record)));
+        }
     }
 
     /// Goes over to other unknowns `δ'` of the unit box: `δ_i = middle_i + radius_i δ'_i`, with some numbers
     /// of these intervals.
-    ///
-    /// Proof. `g·δ = g·m + (g r)·δ'`, and the product `g r` is rounded to `g'`; what it lost, times `δ'` of the
-    /// unit box, and `g·m` go to the bounds.
     pub(crate) fn rescale(&mut self, scales: &[(Interval, Interval)]) {
-        let unit = Interval::symmetric(1.0);
         let same = (Interval::ZERO, Interval::ONE);
-        let changed: Vec<usize> = (0..scales.len()).filter(|v| scales[*v] != same).collect();
-        if changed.is_empty() {
+        if scales.iter().all(|scale| *scale == same) {
             return;
         }
         for row in 0..self.len() {
-            let mut moved = Interval::ZERO;
-            for v in &changed {
-                let slope = &mut self.slopes[row * self.unknowns + v];
-                if *slope == 0.0 {
-                    continue;
-                }
-                let (middle, radius) = scales[*v];
-                let old = Interval::point(*slope);
-                let product = old * radius;
-                let rounded = product.mid();
-                moved += old * middle;
-                moved += (product - Interval::point(rounded)) * unit;
-                *slope = rounded;
-            }
+            let slopes = &mut self.slopes[row * self.unknowns..(row + 1) * self.unknowns];
+            let moved = rescale(slopes, scales);
             self.outer[row] = self.outer[row] - moved;
             self.inner[row] = shrunk(self.inner[row], moved);
         }
@@ -118,15 +118,55 @@ impl Rows {
                     .copy_within(row * unknowns..(row + 1) * unknowns, kept * unknowns);
                 self.outer[kept] = self.outer[row];
                 self.inner[kept] = self.inner[row];
-                self.samples[kept] = self.samples[row];
+                self.origins[kept] = self.origins[row];
             }
             kept += 1;
         }
         self.slopes.truncate(kept * unknowns);
         self.outer.truncate(kept);
         self.inner.truncate(kept);
-        self.samples.truncate(kept);
+        self.origins.truncate(kept);
     }
+}
+
+fn short(position: usize) -> u32 {
+    u32::try_from(position).unwrap_or(u32::MAX)
+}
+
+/// A quantity that is an affine function of the unknowns, and something between.
+#[derive(Debug, Clone)]
+pub(crate) struct Affine {
+    pub(crate) slopes: Vec<f64>,
+    pub(crate) rest: Interval,
+}
+
+impl Affine {
+    /// In other unknowns, as [`Rows::rescale`].
+    pub(crate) fn rescale(&mut self, scales: &[(Interval, Interval)]) {
+        let moved = rescale(&mut self.slopes, scales);
+        self.rest += moved;
+    }
+}
+
+/// Writes slopes for unknowns `δ_i = middle_i + radius_i δ'_i`; encloses what is to be added.
+///
+/// Proof. `g·δ = g·m + (g r)·δ'`, and the product `g r` is rounded to `g'`; what it lost, times `δ'` of the
+/// unit box, is added to `g·m`.
+fn rescale(slopes: &mut [f64], scales: &[(Interval, Interval)]) -> Interval {
+    let unit = Interval::symmetric(1.0);
+    let mut moved = Interval::ZERO;
+    for (slope, (middle, radius)) in slopes.iter_mut().zip(scales) {
+        if *slope == 0.0 || (*middle == Interval::ZERO && *radius == Interval::ONE) {
+            continue;
+        }
+        let old = Interval::point(*slope);
+        let product = old * *radius;
+        let rounded = product.mid();
+        moved += old * *middle;
+        moved += (product - Interval::point(rounded)) * unit;
+        *slope = rounded;
+    }
+    moved
 }
 
 /// All numbers `x` with `x + rest` inside `whole`, whatever `rest` is: rounded inward.
@@ -150,10 +190,10 @@ mod tests {
     #[test]
     fn outer_is_wider_and_inner_narrower() {
         let mut rows = Rows::new(1);
-        rows.push(&[0.1], interval(0.3, 0.4), interval(0.0, 1.0), 0);
+        rows.push(&[0.1], interval(0.3, 0.4), interval(0.0, 1.0), 0, 0);
         assert!(rows.outer(0).lo() <= -0.4 && rows.outer(0).hi() >= 0.7);
         assert!(rows.inner(0).lo() >= -0.3 && rows.inner(0).hi() <= 0.6);
-        rows.push(&[0.1], interval(0.0, 2.0), interval(0.0, 1.0), 1);
+        rows.push(&[0.1], interval(0.0, 2.0), interval(0.0, 1.0), 1, 0);
         assert!(rows.inner(1).is_empty());
     }
 
@@ -170,8 +210,20 @@ mod tests {
             let old = (scales[0].0 + third * Interval::point(at[0]), at[1]);
             let value = Interval::point(0.3) * old.0 + Interval::point(-0.7 * old.1);
             // A measurement that ends just there.
-            rows.push(&[0.3, -0.7], Interval::ZERO, interval(value.hi(), 2.0), 0);
-            rows.push(&[0.3, -0.7], Interval::ZERO, interval(-2.0, value.lo()), 0);
+            rows.push(
+                &[0.3, -0.7],
+                Interval::ZERO,
+                interval(value.hi(), 2.0),
+                0,
+                0,
+            );
+            rows.push(
+                &[0.3, -0.7],
+                Interval::ZERO,
+                interval(-2.0, value.lo()),
+                0,
+                0,
+            );
         }
         rows.rescale(&scales);
         for (k, at) in [[-1.0, -0.5], [0.2, 0.9], [1.0, 1.0], [0.3, -1.0]]
@@ -196,9 +248,9 @@ mod tests {
     #[test]
     fn rows_that_cut_nothing_are_left_out() {
         let mut rows = Rows::new(1);
-        rows.push(&[0.1], Interval::ZERO, interval(-0.2, 0.2), 7);
-        rows.push(&[0.1], Interval::ZERO, interval(-0.2, 0.05), 8);
+        rows.push(&[0.1], Interval::ZERO, interval(-0.2, 0.2), 7, 0);
+        rows.push(&[0.1], Interval::ZERO, interval(-0.2, 0.05), 8, 0);
         rows.prune();
-        assert_eq!((rows.len(), rows.sample(0)), (1, 8));
+        assert_eq!((rows.len(), rows.origin(0)), (1, (8, 0)));
     }
 }

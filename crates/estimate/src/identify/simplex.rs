@@ -235,6 +235,24 @@ impl<'a> Program<'a> {
     }
 }
 
+impl Program<'_> {
+    /// Proved bounds of `direction·δ` over the box and the outer rows, which this program must be of; unbounded
+    /// where they are lost to rounding.
+    pub(crate) fn bounds(&self, direction: &[f64]) -> Interval {
+        let least = |sign: f64| {
+            let direction: Vec<f64> = direction.iter().map(|x| sign * x).collect();
+            let vertex = self.minimize(&direction);
+            let multipliers = if vertex.is_impossible {
+                &[][..]
+            } else {
+                &vertex.multipliers
+            };
+            minimum(self.rows, self.part, &direction, multipliers)
+        };
+        Interval::new(least(1.0), -least(-1.0)).unwrap_or(Interval::ENTIRE)
+    }
+}
+
 /// A proved lower bound of `direction·δ` over the box `part` and the outer rows, from some multipliers.
 pub(crate) fn minimum(
     rows: &Rows,

@@ -9,7 +9,7 @@ use super::piece::Piece;
 use super::proved::Outputs;
 use super::regime::{Field, Regime, Switching};
 use super::run::Stretch;
-use super::set::{Form, FormOptions};
+use super::set::{Form, FormOptions, Parallelotope};
 use super::step::Obstacle;
 use super::surfaces::Signs;
 use crate::modes::ModeSet;
@@ -88,6 +88,11 @@ impl Flow {
     /// Quantities whose width is not negligible become unknowns that dependence is kept on.
     pub fn start(&self, states: &[Interval], params: &[Interval], options: FormOptions) -> Form {
         Form::new(states, params, options)
+    }
+
+    /// The form of a parallelotope of start values and parameters, whose axes become its unknowns.
+    pub fn start_in(&self, set: &Parallelotope, options: FormOptions) -> Form {
+        Form::of(self.layout.states, set, options)
     }
 
     /// Moves a form over `dt` seconds, in as many steps as it takes.

@@ -89,5 +89,5 @@ pub use flow::{Diverged, Flow};
 pub use journey::Meeting;
 pub use output::{Contradiction, Output, Strip};
 pub use run::{Effort, Enclosure, Part, Standing, Stretch};
-pub use set::{Form, FormOptions, OutputForm, Unknown};
+pub use set::{Form, FormOptions, OutputForm, Parallelotope, Unknown};
 pub use step::Obstacle;

@@ -90,6 +90,14 @@ impl Form {
         Ok(self.straight(&polynomial, Interval::symmetric(radius)))
     }
 
+    /// Every state as in [`Form::strip`].
+    pub fn strips(&self) -> Vec<Strip> {
+        let states = self.states.iter().zip(self.frame.hull());
+        states
+            .map(|(polynomial, rest)| self.straight(polynomial, rest))
+            .collect()
+    }
+
     /// The affine part of a polynomial, and quick bounds of the rest with `rest`.
     ///
     /// A monomial of even exponents is never negative.
@@ -104,8 +112,15 @@ impl Form {
             below += if even { (-x).max(0.0) } else { x.abs() };
             above += if even { x.max(0.0) } else { x.abs() };
         }
-        let operations = polynomial.len();
-        let curved = Interval::new(-raised(below, operations), raised(above, operations));
+        // What is zero stays so: a state that is held has its value exactly.
+        let sum = |x: f64| {
+            if x == 0.0 {
+                0.0
+            } else {
+                raised(x, polynomial.len())
+            }
+        };
+        let curved = Interval::new(-sum(below), sum(above));
         Strip {
             centre: polynomial[0],
             slopes: polynomial[1..=count].to_vec(),

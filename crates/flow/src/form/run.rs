@@ -392,6 +392,7 @@ fn divide((states, params): &Set, passage: &Passage) -> Option<[Set; 2]> {
     let whole = match form.unknowns().get(v)?.0 {
         Unknown::Start(i) => states[i],
         Unknown::Param(i) => params[i],
+        Unknown::Axis(_) => return None,
     };
     let middle = whole.mid();
     let parts = [
@@ -402,6 +403,7 @@ fn divide((states, params): &Set, passage: &Passage) -> Option<[Set; 2]> {
         match form.unknowns().get(v)?.0 {
             Unknown::Start(i) => half.0[i] = x,
             Unknown::Param(i) => half.1[i] = x,
+            Unknown::Axis(_) => return None,
         }
     }
     Some(halves)

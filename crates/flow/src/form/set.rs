@@ -54,6 +54,22 @@ pub enum Unknown {
     Start(usize),
     /// This parameter.
     Param(usize),
+    /// This axis of a [`Parallelotope`].
+    Axis(usize),
+}
+
+/// Start values and parameters as affine functions of some axes.
+///
+/// All `z` with `|z_i - centre_i - Σ_a axes[i][a] δ_a| <= rest_i` for some `δ` in the unit box: states first,
+/// then parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parallelotope {
+    /// Values for all `δ` zero.
+    pub centre: Vec<f64>,
+    /// For every quantity one slope per axis.
+    pub axes: Vec<Vec<f64>>,
+    /// How far values can be from the affine functions.
+    pub rest: Vec<f64>,
 }
 
 /// Where an unknown lies: at `middle + radius δ` with some numbers of these intervals.
@@ -122,6 +138,9 @@ pub struct Form {
     pub(super) signs: Vec<Signs>,
 }
 
+/// A quantity: its value in the middle, one slope per unknown, and what is added.
+type Affine = (f64, Vec<f64>, Interval);
+
 /// Most terms of a polynomial that are worth it.
 pub(super) const MOST_TERMS: usize = 800;
 
@@ -170,25 +189,60 @@ pub(super) fn terms((unknowns, fresh): (usize, usize), weight: usize, degree: us
 
 impl Form {
     pub(super) fn new(states: &[Interval], params: &[Interval], options: FormOptions) -> Form {
-        let starts = states
+        let starts = (0..states.len()).map(Unknown::Start);
+        let all: Vec<(Unknown, Interval)> = starts
+            .chain((0..params.len()).map(Unknown::Param))
+            .zip(states.iter().chain(params).copied())
+            .collect();
+        let wide = |x: &(Unknown, Interval)| Some((x.0, split(x.1)?));
+        let unknowns: Vec<Range> = all
             .iter()
-            .enumerate()
-            .map(|(i, x)| (Unknown::Start(i), *x));
-        let values = params
-            .iter()
-            .enumerate()
-            .map(|(i, x)| (Unknown::Param(i), *x));
-        let unknowns: Vec<Range> = starts
-            .chain(values)
-            .filter_map(|(unknown, x)| {
-                let (middle, radius) = split(x)?;
-                Some(Range {
-                    unknown,
-                    middle: Interval::point(middle),
-                    radius: Interval::point(radius),
-                })
+            .filter_map(wide)
+            .map(|(unknown, (middle, radius))| Range {
+                unknown,
+                middle: Interval::point(middle),
+                radius: Interval::point(radius),
             })
             .collect();
+        let quantities = all.iter().map(|(unknown, x)| {
+            let own = unknowns.iter().position(|range| range.unknown == *unknown);
+            let mut slopes = vec![0.0; unknowns.len()];
+            let rest = match own {
+                Some(v) => {
+                    slopes[v] = x.rad();
+                    Interval::ZERO
+                }
+                None => *x - Interval::point(x.mid()),
+            };
+            (x.mid(), slopes, rest)
+        });
+        let quantities: Vec<Affine> = quantities.collect();
+        Form::affine_set(states.len(), unknowns, &quantities, options)
+    }
+
+    /// The form of a parallelotope; the unknowns are its axes.
+    pub(super) fn of(states: usize, set: &Parallelotope, options: FormOptions) -> Form {
+        let axes = set.axes.first().map_or(0, Vec::len);
+        let unknowns = (0..axes).map(|axis| Range {
+            unknown: Unknown::Axis(axis),
+            middle: Interval::ZERO,
+            radius: Interval::ONE,
+        });
+        let rows = set.axes.iter().zip(&set.rest);
+        let quantities = set.centre.iter().zip(rows);
+        let quantities: Vec<Affine> = quantities
+            .map(|(centre, (slopes, rest))| (*centre, slopes.clone(), Interval::symmetric(*rest)))
+            .collect();
+        Form::affine_set(states, unknowns.collect(), &quantities, options)
+    }
+
+    /// The form of quantities that are affine in some unknowns: states, then parameters.
+    fn affine_set(
+        count: usize,
+        unknowns: Vec<Range>,
+        quantities: &[Affine],
+        options: FormOptions,
+    ) -> Form {
         let degree = options
             .degree
             .unwrap_or_else(|| usual_degree(unknowns.len()));
@@ -196,40 +250,29 @@ impl Form {
         let mut weights = vec![1; unknowns.len()];
         if degree > 1 && !unknowns.is_empty() {
             let wanted = options.fresh.unwrap_or(degree.div_ceil(2)).clamp(1, degree);
-            let counts = (unknowns.len(), states.len());
+            let counts = (unknowns.len(), count);
             // Where there are many states, fresh unknowns stand alone, or there are none.
             let weight =
                 (wanted..=degree).find(|weight| terms(counts, *weight, degree) <= MOST_TERMS);
             if let Some(weight) = weight {
-                weights.extend(states.iter().map(|_| weight));
+                weights.extend((0..count).map(|_| weight));
             }
         }
         let monomials = Monomials::new(&weights, degree);
-        let polynomial = |unknown: Unknown, x: Interval| -> (Vec<f64>, Interval) {
+        let polynomial = |(centre, slopes, _): &Affine| -> Vec<f64> {
             let mut polynomial = vec![0.0; monomials.len()];
-            polynomial[0] = x.mid();
-            match unknowns.iter().position(|known| known.unknown == unknown) {
-                Some(v) => {
-                    polynomial[1 + v] = x.rad();
-                    (polynomial, Interval::ZERO)
-                }
-                None => (polynomial, x - Interval::point(x.mid())),
-            }
+            polynomial[0] = *centre;
+            polynomial[1..=slopes.len()].copy_from_slice(slopes);
+            polynomial
         };
-        let (starts, rests): (Vec<Vec<f64>>, Vec<Interval>) = states
-            .iter()
-            .enumerate()
-            .map(|(i, x)| polynomial(Unknown::Start(i), *x))
-            .unzip();
-        let params = params
-            .iter()
-            .enumerate()
-            .map(|(i, x)| {
-                let (polynomial, rest) = polynomial(Unknown::Param(i), *x);
-                let radius = rest.mag();
-                ParamForm { polynomial, radius }
-            })
-            .collect();
+        let (starts, params) = quantities.split_at(count);
+        let rests: Vec<Interval> = starts.iter().map(|start| start.2).collect();
+        let params = params.iter().map(|param| ParamForm {
+            polynomial: polynomial(param),
+            radius: param.2.mag(),
+        });
+        let params = params.collect();
+        let starts: Vec<Vec<f64>> = starts.iter().map(polynomial).collect();
         let mut form = Form {
             order: 0,
             scale: starts.iter().map(|p| p[0].abs()).collect(),
@@ -239,12 +282,13 @@ impl Form {
             states: starts,
             params,
             frame: Frame::upright(rests),
-            tube: states.to_vec(),
+            tube: Vec::new(),
             step: f64::INFINITY,
             elapsed: Interval::ZERO,
             signs: Vec::new(),
         };
         form.order = form.usual_order();
+        form.tube = form.quick_hull();
         form
     }
 
@@ -405,7 +449,7 @@ impl Form {
     }
 
     /// How far from linear the states depend on each unknown.
-    pub(super) fn curvature(&self) -> Vec<f64> {
+    pub fn curvature(&self) -> Vec<f64> {
         let mut curvature = vec![0.0; self.unknowns.len()];
         for polynomial in &self.states {
             let size: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();

@@ -163,7 +163,7 @@ fn remedy(model: &Model, enclosure: &Enclosure, state: usize, most_parts: usize)
             let name = model.params.get(*param).map_or("", |param| &param.name);
             format!("narrower bounds of `{name}`")
         }
-        None => {
+        Some((Unknown::Axis(_), _)) | None => {
             let uncertain = model.inputs.iter().find(|input| {
                 let zero = Decimal::zero();
                 input.within.is_some() || input.error.absolute > zero || input.error.relative > zero

@@ -1,0 +1,466 @@
+//! A region, narrowed as far as samples do it, and what is left.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: one row of axes per quantity, unknowns and rows of the same region"
+)]
+
+use super::eigen::eigenvectors;
+use super::pass::{Conflict, Passed, Span, contract, pass};
+use super::problem::Problem;
+use super::region::{Region, scales_of};
+use super::rows::{Affine, Rows};
+use super::simplex::{Program, Side};
+use veribound_flow::form::{FormOptions, Parallelotope};
+use veribound_interval::Interval;
+
+/// A round that leaves more than this share of every axis was not worth it.
+const WORTHWHILE: f64 = 0.8;
+
+/// Later windows are left for the next round when one leaves less than this share of an axis.
+const ENOUGH: f64 = 0.6;
+
+/// Most rounds for one region.
+const ROUNDS: usize = 30;
+
+/// A turned region is taken when its volume is smaller by this factor.
+const SMALLER: f64 = 0.5;
+
+/// Rows that are from no sample say this instead.
+pub(crate) const BELIEVED: usize = u32::MAX as usize;
+
+/// How far a region was narrowed, and what the last pass says of the rest.
+#[derive(Debug, Clone)]
+pub(crate) struct Cell {
+    pub(crate) region: Region,
+    /// Rows in the unknowns of the region.
+    pub(crate) rows: Rows,
+    /// The unknowns that rows leave.
+    pub(crate) part: Vec<Interval>,
+    /// Whether inner rows prove that all records are met.
+    pub(crate) is_complete: bool,
+    /// About how far from linear what is told depends on each axis.
+    pub(crate) curvature: Vec<f64>,
+    pub(crate) passes: usize,
+    /// Position of a record that was not gone through to its end, and the last sample met.
+    pub(crate) reached: Vec<usize>,
+}
+
+/// A conflict, and the record it is in.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Clash {
+    pub(crate) record: usize,
+    pub(crate) conflict: Conflict,
+    pub(crate) passes: usize,
+}
+
+impl Problem {
+    /// The quantities of a record: its start states and the parameters, by their positions in a region.
+    fn quantities_of(&self, record: usize) -> Vec<usize> {
+        let n = self.layout.states;
+        let starts = record * n..(record + 1) * n;
+        let first = self.courses.len() * n;
+        starts.chain(first..first + self.layout.params).collect()
+    }
+
+    /// What is believed before any sample: start states of all records, then parameters.
+    pub(crate) fn believed(&self) -> Vec<Interval> {
+        let starts = self.courses.iter().flat_map(|course| course.start.iter());
+        starts.chain(&self.prior).copied().collect()
+    }
+
+    /// Narrows a region round by round, until samples tell no more of it.
+    ///
+    /// Guarantee: all start values and parameters of the region that agree with all records are in the part of the
+    /// cell; a clash proves that there are none.
+    pub(crate) fn refine(&self, mut region: Region) -> Result<Cell, Clash> {
+        let mut passes = 0;
+        for round in 1.. {
+            let (cell, shrunk) = match self.round(region, &mut passes) {
+                Ok(done) => done,
+                Err((record, conflict)) => {
+                    return Err(Clash {
+                        record,
+                        conflict,
+                        passes,
+                    });
+                }
+            };
+            let (next, turned) = cell.smaller();
+            if round >= ROUNDS || (shrunk > WORTHWHILE && !turned) {
+                return Ok(Cell { passes, ..cell });
+            }
+            region = next;
+        }
+        unreachable!("PROOF: the loop ends by returning")
+    }
+
+    /// One pass through every record; also tells the smallest share of an axis that is left.
+    fn round(&self, region: Region, passes: &mut usize) -> Result<(Cell, f64), (usize, Conflict)> {
+        let options = FormOptions {
+            degree: Some(2),
+            ..FormOptions::default()
+        };
+        let hull = region.hull();
+        let first = self.courses.len() * self.layout.states;
+        let axes = region.axes();
+        let mut curvature = vec![0.0; axes];
+        let mut is_complete = true;
+        let mut reached = Vec::new();
+        let mut parts = Vec::new();
+        for (record, course) in self.courses.iter().enumerate() {
+            let (set, kept) = region.rows_of(&self.quantities_of(record));
+            let until = course.horizon();
+            let span = Span { from: 0, until };
+            *passes += 1;
+            let passed = pass(self, course, span, (&set, &hull[first..]), options);
+            if let Some(conflict) = passed.conflict {
+                return Err((record, conflict));
+            }
+            is_complete &= passed.is_complete && until + 1 == course.instants.len();
+            reached.push(passed.reached);
+            for (axis, bend) in kept.iter().zip(&passed.curvature) {
+                curvature[*axis] += bend;
+            }
+            let begin = parts.len();
+            parts.push((passed, kept, record));
+            if parts[begin].0.reached < until {
+                self.later_windows(&region, record, &mut parts, passes)?;
+            }
+        }
+        // The unknowns that are left to all of them.
+        let mut scales = vec![(Interval::ZERO, Interval::ONE); axes];
+        let unit = Interval::symmetric(1.0);
+        if let [(passed, kept, _)] = &parts[..] {
+            for (axis, scale) in kept.iter().zip(&passed.scales) {
+                scales[*axis] = *scale;
+            }
+        } else {
+            let mut part = vec![unit; axes];
+            for (passed, kept, _) in &parts {
+                for (axis, (middle, radius)) in kept.iter().zip(&passed.scales) {
+                    part[*axis] = part[*axis].intersect(*middle + *radius * unit);
+                }
+            }
+            if let Some(axis) = part.iter().position(|x| x.is_empty()) {
+                let record = parts.iter().rposition(|part| part.1.contains(&axis));
+                let samples = Vec::new();
+                return Err((record.unwrap_or(0), Conflict::Rows { samples }));
+            }
+            scales = scales_of(&part);
+        }
+        let mut rows = Rows::new(axes);
+        for (passed, kept, record) in &mut parts {
+            let to_common: Vec<(Interval, Interval)> = kept
+                .iter()
+                .zip(&passed.scales)
+                .map(|(axis, own)| {
+                    let common = scales[*axis];
+                    if common == *own {
+                        (Interval::ZERO, Interval::ONE)
+                    } else {
+                        ((common.0 - own.0) / own.1, common.1 / own.1)
+                    }
+                })
+                .collect();
+            passed.rows.rescale(&to_common);
+            rows.take(&passed.rows, kept, *record);
+        }
+        let region = region.rescaled(&scales);
+        for (i, believed) in self.believed().iter().enumerate() {
+            rows.push(&region.axes[i], region.offset(i), *believed, BELIEVED, 0);
+        }
+        rows.prune();
+        let part = contract(&rows).map_err(|conflict| (0, conflict))?;
+        let shrunk = scales
+            .iter()
+            .zip(&part)
+            .map(|(scale, x)| scale.1.hi() * x.rad())
+            .fold(1.0, f64::min);
+        let cell = Cell {
+            region,
+            rows,
+            part,
+            is_complete,
+            curvature,
+            passes: 0,
+            reached,
+        };
+        Ok((cell, shrunk))
+    }
+}
+
+/// A pass, the axes of its unknowns, and its record.
+type Window = (Passed, Vec<usize>, usize);
+
+impl Problem {
+    /// Goes on from where the last window of `parts` was told anything last, with start states of their own, to
+    /// the end of the record; what later windows say of their start states is projected away.
+    ///
+    /// Parameters are the same in all windows, so that each says something of the axes of `region`.
+    fn later_windows(
+        &self,
+        region: &Region,
+        record: usize,
+        parts: &mut Vec<Window>,
+        passes: &mut usize,
+    ) -> Result<(), (usize, Conflict)> {
+        let options = FormOptions {
+            degree: Some(2),
+            ..FormOptions::default()
+        };
+        let course = &self.courses[record];
+        let until = course.horizon();
+        let first = self.courses.len() * self.layout.states;
+        let params: Vec<usize> = (first..first + self.layout.params).collect();
+        let (own, kept) = region.rows_of(&params);
+        let hull = region.hull();
+        let mut from = 0;
+        let mut states = self.anchored(parts.last(), &mut from);
+        while let Some(box_) = states {
+            let starts = Region::of_box(&box_);
+            let fresh = starts.axes();
+            let zeros = |count: usize| vec![0.0; count];
+            let widened = starts
+                .axes
+                .iter()
+                .map(|row| [&row[..], &zeros(kept.len())].concat());
+            let shifted = own.axes.iter().map(|row| [&zeros(fresh)[..], row].concat());
+            let set = Parallelotope {
+                centre: [&starts.centre[..], &own.centre].concat(),
+                axes: widened.chain(shifted).collect(),
+                rest: [&starts.rest[..], &own.rest].concat(),
+            };
+            let span = Span { from, until };
+            *passes += 1;
+            let mut passed = pass(self, course, span, (&set, &hull[first..]), options);
+            if let Some(conflict) = passed.conflict {
+                return Err((record, conflict));
+            }
+            passed.rows.prune();
+            let part = contract(&passed.rows).map_err(|conflict| (record, conflict))?;
+            let mut next = from;
+            let ended = passed.reached == until;
+            states = anchored(&passed, &part, &mut next).filter(|_| !ended && next > from);
+            from = next;
+            let shrunk = passed.scales[fresh..]
+                .iter()
+                .zip(&part[fresh..])
+                .map(|(scale, x)| scale.1.hi() * x.rad())
+                .fold(1.0, f64::min);
+            passed.rows = projected(&passed.rows, &part, fresh);
+            passed.scales.drain(..fresh);
+            parts.push((passed, kept.clone(), record));
+            // A narrower set goes farther.
+            if shrunk < ENOUGH {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    fn anchored(&self, window: Option<&Window>, from: &mut usize) -> Option<Vec<Interval>> {
+        let (passed, ..) = window?;
+        let part = contract(&passed.rows).ok()?;
+        anchored(passed, &part, from)
+    }
+}
+
+/// Encloses the states at the last sample that told something.
+fn anchored(passed: &Passed, part: &[Interval], from: &mut usize) -> Option<Vec<Interval>> {
+    let (sample, states) = passed.anchor.as_ref()?;
+    *from = *sample;
+    let program = Program::new(&passed.rows, part, Side::Outer);
+    let around = |state: &Affine| program.bounds(&state.slopes) + state.rest;
+    let box_: Vec<Interval> = states.iter().map(around).collect();
+    box_.iter().all(|x| x.is_bounded()).then_some(box_)
+}
+
+/// What rows say of all unknowns but the first `fresh`.
+fn projected(rows: &Rows, part: &[Interval], fresh: usize) -> Rows {
+    let n = part.len();
+    let matrix = information(rows, part);
+    // What is left of the information when the first unknowns are free.
+    let mut left = matrix;
+    for v in 0..fresh {
+        let pivot = left[v * n + v];
+        if pivot <= 0.0 {
+            continue;
+        }
+        for i in 0..n {
+            let factor = left[i * n + v] / pivot;
+            for l in 0..n {
+                if i != v {
+                    left[i * n + l] -= factor * left[v * n + l];
+                }
+            }
+        }
+    }
+    let kept = n - fresh;
+    let corner: Vec<f64> = (fresh..n)
+        .flat_map(|i| left[i * n + fresh..(i + 1) * n].to_vec())
+        .collect();
+    let mut directions = eigenvectors(kept, &corner);
+    directions.extend((0..kept).map(|v| {
+        let mut unit = vec![0.0; kept];
+        unit[v] = 1.0;
+        unit
+    }));
+    let program = Program::new(rows, part, Side::Outer);
+    let mut told = Rows::new(kept);
+    let sample = (0..rows.len()).map(|row| rows.origin(row).0).max();
+    for direction in directions {
+        let whole = [&vec![0.0; fresh][..], &direction].concat();
+        let bounds = program.bounds(&whole);
+        if bounds.is_bounded() {
+            told.push(&direction, Interval::ZERO, bounds, sample.unwrap_or(0), 0);
+        }
+    }
+    told
+}
+
+/// How much rows say of the directions of unknowns, seen from a part of their box: a hint.
+fn information(rows: &Rows, part: &[Interval]) -> Vec<f64> {
+    let n = part.len();
+    let mut matrix = vec![0.0; n * n];
+    for row in 0..rows.len() {
+        let slopes = rows.slopes(row);
+        let reach: f64 = slopes
+            .iter()
+            .zip(part)
+            .map(|(g, x)| g.abs() * x.rad())
+            .sum();
+        let width = rows.outer(row).rad().max(1e-30);
+        if reach < width {
+            continue;
+        }
+        for i in 0..n {
+            for l in 0..n {
+                matrix[i * n + l] += slopes[i] * slopes[l] / (width * width);
+            }
+        }
+    }
+    matrix
+}
+
+impl Cell {
+    /// The region that is left, turned along its rows where that makes it much smaller.
+    pub(crate) fn smaller(&self) -> (Region, bool) {
+        let upright = self.region.part(&self.part);
+        match self.turned() {
+            Some(turned) => (turned, true),
+            None => (upright, false),
+        }
+    }
+
+    /// A parallelotope around what is left, if it is much smaller than the part of the region.
+    fn turned(&self) -> Option<Region> {
+        let n = self.part.len();
+        if n < 2 {
+            return None;
+        }
+        // Rows in unknowns of which the part is the unit box.
+        let mut rows = self.rows.clone();
+        rows.rescale(&scales_of(&self.part));
+        let whole = vec![Interval::symmetric(1.0); n];
+        let matrix = information(&rows, &whole);
+        let columns = eigenvectors(n, &matrix);
+        let program = Program::new(&rows, &whole, Side::Outer);
+        let mut along = Vec::with_capacity(n);
+        for column in &columns {
+            along.push(program.bounds(column));
+        }
+        if !along.iter().all(|x| x.is_bounded()) {
+            return None;
+        }
+        let volume: f64 = along.iter().map(|x| x.rad()).product();
+        if volume > SMALLER {
+            return None;
+        }
+        self.region.part(&self.part).turned(&columns, &along)
+    }
+
+    /// Proved bounds of a quantity: those of the solutions that agree with all records.
+    pub(crate) fn outer(&self, quantity: usize) -> Interval {
+        let program = Program::new(&self.rows, &self.part, Side::Outer);
+        let bounds = program.bounds(&self.region.axes[quantity]);
+        let around = self.region.range(quantity, &self.part);
+        (bounds + self.region.offset(quantity)).intersect(around)
+    }
+
+    /// Unknowns that are proved to agree with all records, about where each of the quantities is least and largest.
+    pub(crate) fn points(&self, quantities: std::ops::Range<usize>) -> Vec<Vec<f64>> {
+        if !self.is_complete {
+            return Vec::new();
+        }
+        let program = Program::new(&self.rows, &self.part, Side::Inner);
+        let mut found: Vec<Vec<f64>> = Vec::new();
+        for quantity in quantities {
+            for sign in [1.0, -1.0] {
+                let row = self.region.axes[quantity].iter();
+                let direction: Vec<f64> = row.map(|x| sign * x).collect();
+                if direction.iter().all(|x| *x == 0.0) && !found.is_empty() {
+                    continue;
+                }
+                let vertex = program.minimize(&direction);
+                if vertex.is_impossible {
+                    return Vec::new();
+                }
+                found.push(vertex.point);
+            }
+        }
+        let n = self.part.len();
+        let count = found.len().max(1) as f64;
+        let middle: Vec<f64> = (0..n)
+            .map(|v| found.iter().map(|point| point[v]).sum::<f64>() / count)
+            .collect();
+        found
+            .into_iter()
+            .filter_map(|vertex| {
+                // A vertex is on the border, up to rounding: a little inside is proved.
+                [1e-9, 1e-7, 1e-5, 1e-3, 0.05, 1.0]
+                    .iter()
+                    .find_map(|share| {
+                        let pairs = vertex.iter().zip(&middle);
+                        let point: Vec<f64> = pairs.map(|(x, m)| x + share * (m - x)).collect();
+                        self.proves(&point).then_some(point)
+                    })
+            })
+            .collect()
+    }
+
+    /// Whether inner rows prove that solutions with these unknowns agree with all records.
+    fn proves(&self, point: &[f64]) -> bool {
+        let inside = point
+            .iter()
+            .zip(&self.part)
+            .all(|(x, part)| part.contains(*x));
+        inside
+            && (0..self.rows.len()).all(|row| {
+                let slopes = self.rows.slopes(row).iter().zip(point);
+                let value = slopes.fold(Interval::ZERO, |sum, (g, x)| {
+                    sum + Interval::point(*g) * Interval::point(*x)
+                });
+                value.is_subset_of(self.rows.inner(row))
+            })
+    }
+
+    /// The halves along the axis that bends most what is told.
+    pub(crate) fn halves(&self) -> Option<[Region; 2]> {
+        let weights = self.curvature.iter().zip(&self.part);
+        let weights: Vec<f64> = weights.map(|(bend, part)| bend * part.rad()).collect();
+        let mut axis = (0..weights.len()).max_by(|a, b| weights[*a].total_cmp(&weights[*b]))?;
+        if weights[axis] <= 0.0 {
+            axis = (0..weights.len())
+                .max_by(|a, b| self.part[*a].rad().total_cmp(&self.part[*b].rad()))?;
+        }
+        let whole = self.part[axis];
+        let at = whole.mid();
+        let half = |lo: f64, hi: f64| {
+            let mut part = self.part.clone();
+            part[axis] = Interval::new(lo, hi)?;
+            Some(self.region.part(&part))
+        };
+        (whole.lo() < at && at < whole.hi())
+            .then(|| Some([half(whole.lo(), at)?, half(at, whole.hi())?]))?
+    }
+}
