@@ -75,7 +75,7 @@ impl Problem {
     pub(crate) fn refine(&self, mut region: Region) -> Result<Cell, Clash> {
         let mut passes = 0;
         for round in 1.. {
-            let (cell, shrunk) = match self.round(region, &mut passes) {
+            let (cell, shrunk) = match self.round(region, &mut passes, true) {
                 Ok(done) => done,
                 Err((record, conflict)) => {
                     return Err(Clash {
@@ -94,8 +94,26 @@ impl Problem {
         unreachable!("PROOF: the loop ends by returning")
     }
 
+    /// One round for a small region around a point, only to find points that are proved to agree.
+    ///
+    /// The point is given in the unknowns of `region`, and `reach` says how far around it.
+    pub(crate) fn probe(&self, region: &Region, point: &[f64], reach: f64) -> Option<Cell> {
+        let part: Vec<Interval> = point
+            .iter()
+            .map(|x| Interval::point(*x).inflate(reach))
+            .collect();
+        let mut passes = 0;
+        let (cell, _) = self.round(region.part(&part), &mut passes, false).ok()?;
+        Some(Cell { passes, ..cell })
+    }
+
     /// One pass through every record; also tells the smallest share of an axis that is left.
-    fn round(&self, region: Region, passes: &mut usize) -> Result<(Cell, f64), (usize, Conflict)> {
+    fn round(
+        &self,
+        region: Region,
+        passes: &mut usize,
+        has_windows: bool,
+    ) -> Result<(Cell, f64), (usize, Conflict)> {
         let options = FormOptions {
             degree: Some(2),
             ..FormOptions::default()
@@ -123,7 +141,7 @@ impl Problem {
             }
             let begin = parts.len();
             parts.push((passed, kept, record));
-            if parts[begin].0.reached < until {
+            if has_windows && parts[begin].0.reached < until {
                 self.later_windows(&region, record, &mut parts, passes)?;
             }
         }
@@ -442,6 +460,24 @@ impl Cell {
                 });
                 value.is_subset_of(self.rows.inner(row))
             })
+    }
+
+    /// About the middle of what is left.
+    pub(crate) fn middle(&self) -> Vec<f64> {
+        let program = Program::new(&self.rows, &self.part, Side::Outer);
+        let n = self.part.len();
+        let mut middle = vec![0.0; n];
+        for v in 0..n {
+            for sign in [1.0, -1.0] {
+                let mut direction = vec![0.0; n];
+                direction[v] = sign;
+                let vertex = program.minimize(&direction).point;
+                for (sum, x) in middle.iter_mut().zip(vertex) {
+                    *sum += x / (2.0 * n as f64);
+                }
+            }
+        }
+        middle
     }
 
     /// The halves along the axis that bends most what is told.

@@ -14,6 +14,9 @@ use crate::verdict::Verdict;
 use veribound_interval::Interval;
 use veribound_model::{Model, Sample};
 
+/// Samples between two questions whether to go on.
+const ASKS: usize = 256;
+
 /// Narrows the parameters of `box_`, all quantities of the problem, by observers over the records.
 ///
 /// Guarantee: no parameters that agree with all records are lost; a clash proves that there are none. Parameters
@@ -33,7 +36,7 @@ pub(crate) fn narrow(
         observer.start_from(&[known]);
         let mut params = None;
         for (position, sample) in samples.iter().enumerate() {
-            if !go_on() {
+            if position % ASKS == 0 && !go_on() {
                 break;
             }
             match observer.step(sample) {

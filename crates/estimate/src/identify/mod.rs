@@ -36,12 +36,12 @@ pub fn identify(
     let mut search = Search::new(&problem, options);
     let mut believed = problem.believed();
     if search.is_within_reach(&believed) {
-        search.run(vec![Region::of_box(&believed)], go_on);
+        search.run(Region::of_box(&believed), go_on);
         return search.answer();
     }
     let alive = || go_on(&search.progress());
     match gross::narrow(&problem, model, records, &mut believed, &alive) {
-        Ok(()) => search.run(vec![Region::of_box(&believed)], go_on),
+        Ok(()) => search.run(Region::of_box(&believed), go_on),
         Err(clash) => search.refute(clash),
     }
     search.answer()

@@ -142,68 +142,48 @@ impl Meeter<'_> {
         let instant = &self.course.instants[sample];
         self.reached = sample;
         let inputs = &instant.inputs;
-        match meeting.form {
-            None => {
-                let both = self.course.inputs_at(sample);
-                if self
-                    .problem
-                    .flow
-                    .may_jump(meeting.states, self.params, &both)
-                {
-                    self.is_complete = false;
-                    return;
-                }
-                let box_ = [meeting.states, self.params, inputs].concat();
-                for (quantity, told) in &instant.told {
-                    let enclosure = self.problem.quantities[*quantity].on_box(&box_);
-                    self.judge(sample, (*quantity, enclosure, *told));
-                    self.is_complete &= enclosure.is_subset_of(*told);
-                }
+        let form = meeting.form;
+        let both = self.course.inputs_at(sample);
+        if self.problem.flow.may_jump(&form.hull(), self.params, &both) {
+            self.is_complete = false;
+            return;
+        }
+        let (mut clear, mut blurred) = (false, false);
+        for (quantity, told) in &instant.told {
+            let on_forms = &self.problem.quantities[*quantity];
+            let Ok(strip) = form.strip(on_forms, inputs) else {
+                self.is_complete = false;
+                continue;
+            };
+            let rest = strip.remainder + Interval::point(strip.centre);
+            let reach: f64 = strip.slopes.iter().map(|g| g.abs()).sum();
+            let reach = Interval::symmetric(reach * (1.0 + 1e-12));
+            self.judge(sample, (*quantity, rest + reach, *told));
+            if *quantity < self.problem.outputs {
+                let is_blurred = strip.remainder.width() > BLURRED * told.width();
+                clear |= !is_blurred;
+                blurred |= is_blurred;
             }
-            Some(form) => {
-                let both = self.course.inputs_at(sample);
-                if self.problem.flow.may_jump(&form.hull(), self.params, &both) {
-                    self.is_complete = false;
-                    return;
-                }
-                let (mut clear, mut blurred) = (false, false);
-                for (quantity, told) in &instant.told {
-                    let on_forms = &self.problem.quantities[*quantity].on_forms;
-                    let Ok(strip) = form.strip(on_forms, inputs) else {
-                        self.is_complete = false;
-                        continue;
-                    };
-                    let rest = strip.remainder + Interval::point(strip.centre);
-                    let reach: f64 = strip.slopes.iter().map(|g| g.abs()).sum();
-                    let reach = Interval::symmetric(reach * (1.0 + 1e-12));
-                    self.judge(sample, (*quantity, rest + reach, *told));
-                    if *quantity < self.problem.outputs {
-                        let is_blurred = strip.remainder.width() > BLURRED * told.width();
-                        clear |= !is_blurred;
-                        blurred |= is_blurred;
-                    }
-                    self.rows.push(&strip.slopes, rest, *told, sample, 0);
-                }
-                if clear {
-                    self.hidden = 0;
-                    let states = form.strips().into_iter().map(|strip| Affine {
-                        rest: strip.remainder + Interval::point(strip.centre),
-                        slopes: strip.slopes,
-                    });
-                    self.anchor = Some((sample, states.collect()));
-                } else if blurred {
-                    self.hidden += 1;
-                    self.curvature = form.curvature();
-                }
-                if sample >= self.next && self.conflict.is_none() {
-                    let met = (sample - self.span.from) as f64;
-                    self.next = self.span.from + (met * NEXT).ceil() as usize + 1;
-                    self.narrow(form);
-                }
-                if sample == self.span.until {
-                    self.curvature = form.curvature();
-                }
-            }
+            self.rows.push(&strip.slopes, rest, *told, sample, 0);
+        }
+        if clear {
+            self.hidden = 0;
+            let states = form.strips().into_iter().map(|strip| Affine {
+                rest: strip.remainder + Interval::point(strip.centre),
+                slopes: strip.slopes,
+            });
+            self.anchor = Some((sample, states.collect()));
+        } else if blurred {
+            self.hidden += 1;
+            self.curvature = form.curvature();
+        }
+        if sample >= self.next && self.conflict.is_none() && !meeting.is_passing {
+            let met = (sample - self.span.from) as f64;
+            self.next = self.span.from + (met * NEXT).ceil() as usize + 1;
+            self.narrow(form);
+        }
+        if sample == self.span.until {
+            self.curvature = form.curvature();
         }
         if self.conflict.is_some() || self.hidden > HIDDEN {
             self.over.set(true);

@@ -7,31 +7,7 @@
 use crate::signals::Signals;
 use veribound_flow::form::{Flow, Output, Stretch};
 use veribound_interval::{Decimal, Interval};
-use veribound_model::{ExprId, Layout, Model, Sample, Tape};
-
-/// Something that samples tell the value of.
-#[derive(Debug)]
-pub(crate) struct Quantity {
-    pub(crate) on_forms: Output,
-    on_boxes: Tape,
-}
-
-impl Quantity {
-    fn new(model: &Model, expr: ExprId) -> Quantity {
-        Quantity {
-            on_forms: Output::new(model, expr),
-            on_boxes: Tape::compile(&model.graph, model.layout(), &[expr]),
-        }
-    }
-
-    /// Encloses the values, wherever there are any, on a box of states, parameters and inputs.
-    pub(crate) fn on_box(&self, quantities: &[Interval]) -> Interval {
-        let mut registers = self.on_boxes.registers();
-        // Where it is not defined there is no value to enclose.
-        let _ = self.on_boxes.eval(quantities, &mut registers);
-        self.on_boxes.output::<Interval>(0, &registers)
-    }
-}
+use veribound_model::{Layout, Model, Sample};
 
 /// What a sample tells.
 #[derive(Debug)]
@@ -84,7 +60,7 @@ pub(crate) struct Problem {
     pub(crate) flow: Flow,
     pub(crate) layout: Layout,
     /// Outputs first, then what signals prove to be zero.
-    pub(crate) quantities: Vec<Quantity>,
+    pub(crate) quantities: Vec<Output>,
     /// Number of outputs among them.
     pub(crate) outputs: usize,
     pub(crate) courses: Vec<Course>,
@@ -101,7 +77,7 @@ impl Problem {
             layout: model.layout(),
             quantities: outputs
                 .chain(zeros.copied())
-                .map(|expr| Quantity::new(model, expr))
+                .map(|expr| Output::new(model, expr))
                 .collect(),
             outputs: model.outputs.len(),
             courses: Vec::new(),

@@ -18,9 +18,41 @@ const AT_ONCE: usize = 8;
 /// A cell with the proved bounds of every quantity.
 struct Leaf {
     cell: Cell,
+    /// Unknowns that are proved to agree with all records.
+    points: Vec<Vec<f64>>,
     outer: Vec<Interval>,
     /// It cannot be divided any further.
     is_atom: bool,
+}
+
+/// How far around a point the first probe looks, as share of the region it was found in,
+const REACH: f64 = 0.5;
+
+/// the next one where a probe was of little use, as share of that,
+const NEARER: f64 = 0.4;
+
+/// and where it ends.
+const NEAREST: f64 = 0.005;
+
+/// A probe was of use if it brought a bound nearer by this share of what was missing.
+const USEFUL: f64 = 0.2;
+
+/// The proved point at which a quantity is least or largest, and where to look for a better one.
+#[derive(Clone)]
+struct Best {
+    region: Region,
+    point: Vec<f64>,
+    value: f64,
+    reach: f64,
+}
+
+/// What is to be looked at.
+enum Job {
+    Divide(Region),
+    /// Around the best point of this quantity and side,
+    Climb(usize, usize),
+    /// or in the middle of a leaf, where no point is known.
+    Middle(Box<Cell>),
 }
 
 /// Everything that is known.
@@ -32,16 +64,22 @@ pub(crate) struct Search<'a> {
     /// as boxes of all quantities.
     inner: Vec<(f64, f64)>,
     points: Vec<Vec<Interval>>,
+    /// Per parameter the points where it is least and largest.
+    best: Vec<[Option<Best>; 2]>,
+    /// How near the middle of a leaf a point was looked for.
+    middle: f64,
     clashes: Vec<Clash>,
     sets: usize,
     passes: usize,
     interrupted: bool,
 }
 
-/// What became of a region.
+/// What became of a job.
 enum Outcome {
-    Left(Box<Leaf>, Vec<Vec<Interval>>),
+    Left(Box<Leaf>),
     Gone(Clash),
+    /// Points that a probe proved, after so many passes.
+    Proved(Option<Box<Cell>>, Vec<Vec<f64>>),
 }
 
 impl<'a> Search<'a> {
@@ -52,6 +90,8 @@ impl<'a> Search<'a> {
             leaves: Vec::new(),
             inner: vec![(f64::INFINITY, f64::NEG_INFINITY); problem.believed().len()],
             points: Vec::new(),
+            best: vec![[None, None]; problem.layout.params],
+            middle: REACH,
             clashes: Vec::new(),
             sets: 0,
             passes: 0,
@@ -86,46 +126,119 @@ impl<'a> Search<'a> {
         self.clashes.push(clash);
     }
 
-    fn look_at(&self, region: Region) -> Outcome {
-        let cell = match self.problem.refine(region) {
-            Ok(cell) => cell,
-            Err(clash) => return Outcome::Gone(clash),
+    fn look_at(&self, job: &Job) -> Outcome {
+        let first = self.first();
+        let probed = match job {
+            Job::Divide(region) => {
+                return match self.problem.refine(region.clone()) {
+                    Ok(cell) => {
+                        let outer = (0..self.quantities()).map(|i| cell.outer(i)).collect();
+                        Outcome::Left(Box::new(Leaf {
+                            points: cell.points(first..self.quantities()),
+                            cell,
+                            outer,
+                            is_atom: false,
+                        }))
+                    }
+                    Err(clash) => Outcome::Gone(clash),
+                };
+            }
+            Job::Climb(param, side) => self.best[*param][*side]
+                .as_ref()
+                .and_then(|best| self.problem.probe(&best.region, &best.point, best.reach)),
+            Job::Middle(cell) => self
+                .problem
+                .probe(&cell.region, &cell.middle(), self.middle),
         };
-        let outer: Vec<Interval> = (0..self.quantities()).map(|i| cell.outer(i)).collect();
-        let points = cell.points(self.first()..self.quantities());
-        let boxes = points.iter().map(|point| {
-            let at: Vec<Interval> = point.iter().map(|x| Interval::point(*x)).collect();
-            (0..outer.len())
-                .map(|i| cell.region.range(i, &at))
-                .collect()
-        });
-        let boxes = boxes.collect();
-        let leaf = Leaf {
-            cell,
-            outer,
-            is_atom: false,
-        };
-        Outcome::Left(Box::new(leaf), boxes)
+        let points = probed
+            .as_ref()
+            .map_or(Vec::new(), |cell| cell.points(first..self.quantities()));
+        Outcome::Proved(probed.map(Box::new), points)
     }
 
-    fn take(&mut self, outcome: Outcome) {
-        self.sets += 1;
+    fn take(&mut self, job: &Job, outcome: Outcome) {
         match outcome {
             Outcome::Gone(clash) => {
+                self.sets += 1;
                 self.passes += clash.passes;
                 self.clashes.push(clash);
             }
-            Outcome::Left(leaf, points) => {
+            Outcome::Left(leaf) => {
+                self.sets += 1;
                 self.passes += leaf.cell.passes;
+                for point in &leaf.points {
+                    self.learn(&leaf.cell, point, REACH);
+                }
                 self.leaves.push(*leaf);
-                for point in points {
-                    for (inner, x) in self.inner.iter_mut().zip(&point) {
-                        // The point is somewhere in x: only what is between all of it counts.
-                        *inner = (inner.0.min(x.hi()), inner.1.max(x.lo()));
+            }
+            Outcome::Proved(cell, points) => {
+                let before = match job {
+                    Job::Climb(param, side) => self.best[*param][*side].clone(),
+                    _ => None,
+                };
+                if let Some(cell) = cell {
+                    self.passes += cell.passes;
+                    for point in &points {
+                        self.learn(&cell, point, 1.0);
                     }
-                    self.points.push(point);
+                }
+                match job {
+                    Job::Climb(param, side) => self.step_back(*param, *side, before),
+                    _ => self.middle *= NEARER,
                 }
             }
+        }
+    }
+
+    /// Looks nearer the best point of a parameter, where the last probe brought little.
+    fn step_back(&mut self, param: usize, side: usize, before: Option<Best>) {
+        let outer = self.outer(self.first() + param);
+        let end = if side == 0 { outer.lo() } else { outer.hi() };
+        let (Some(before), Some(best)) = (before, &mut self.best[param][side]) else {
+            return;
+        };
+        let missing = (end - before.value).abs();
+        if (best.value - before.value).abs() < USEFUL * missing {
+            // In the unknowns of the region it was found in now.
+            best.reach *= NEARER;
+        }
+    }
+
+    /// Takes in a proved point; the next probe around it looks so far, as share of what is left of its cell.
+    fn learn(&mut self, cell: &Cell, point: &[f64], reach: f64) {
+        let at: Vec<Interval> = point.iter().map(|x| Interval::point(*x)).collect();
+        let box_: Vec<Interval> = (0..self.quantities())
+            .map(|i| cell.region.range(i, &at))
+            .collect();
+        let mut is_new = self.points.is_empty();
+        for (inner, x) in self.inner.iter_mut().zip(&box_) {
+            // The point is somewhere in x: only what is between all of it counts.
+            *inner = (inner.0.min(x.hi()), inner.1.max(x.lo()));
+        }
+        let first = self.first();
+        for (param, sides) in self.best.iter_mut().enumerate() {
+            let x = box_[first + param];
+            for (side, (best, value)) in sides.iter_mut().zip([x.hi(), x.lo()]).enumerate() {
+                let is_better = best.as_ref().is_none_or(|best| {
+                    if side == 0 {
+                        value < best.value
+                    } else {
+                        value > best.value
+                    }
+                });
+                if is_better {
+                    is_new = true;
+                    *best = Some(Best {
+                        region: cell.region.part(&cell.part),
+                        point: inside(&cell.part, point),
+                        value,
+                        reach,
+                    });
+                }
+            }
+        }
+        if is_new {
+            self.points.push(box_);
         }
     }
 
@@ -214,35 +327,65 @@ impl<'a> Search<'a> {
     }
 
     /// Goes on until bounds are near enough to the best possible, or the budget is spent.
-    pub(crate) fn run(&mut self, regions: Vec<Region>, go_on: &dyn Fn(&Progress) -> bool) {
-        let mut next = regions;
-        while !next.is_empty() {
+    pub(crate) fn run(&mut self, whole: Region, go_on: &dyn Fn(&Progress) -> bool) {
+        let mut jobs = vec![Job::Divide(whole)];
+        while !jobs.is_empty() {
             let search = &*self;
-            let outcomes: Vec<Outcome> = next
-                .into_par_iter()
-                .map(|region| search.look_at(region))
-                .collect();
-            outcomes.into_iter().for_each(|outcome| self.take(outcome));
-            next = Vec::new();
+            let outcomes: Vec<Outcome> = jobs.par_iter().map(|job| search.look_at(job)).collect();
+            for (job, outcome) in jobs.iter().zip(outcomes) {
+                self.take(job, outcome);
+            }
             if !go_on(&self.progress()) {
                 self.interrupted = true;
                 return;
             }
-            let mut chosen = self.worst();
-            let room = self.options.sets.saturating_sub(self.sets) / 2;
-            chosen.truncate(room);
-            chosen.sort_unstable_by(|a, b| b.cmp(a));
-            for position in chosen {
-                let halves = self.leaves[position].cell.halves();
-                match halves {
-                    Some(halves) => {
-                        self.leaves.swap_remove(position);
-                        next.extend(halves);
-                    }
-                    None => self.leaves[position].is_atom = true,
+            jobs = self.probes();
+            jobs.extend(self.divisions());
+        }
+    }
+
+    /// Where better points may be.
+    fn probes(&self) -> Vec<Job> {
+        if self.points.is_empty() {
+            let ended = |leaf: &Leaf| self.has_ended(&leaf.cell);
+            let leaf = self.leaves.iter().find(|leaf| ended(leaf));
+            let is_worth_it = self.middle > NEAREST;
+            return leaf
+                .filter(|_| is_worth_it)
+                .map(|leaf| Job::Middle(Box::new(leaf.cell.clone())))
+                .into_iter()
+                .collect();
+        }
+        let gaps = self.gaps().into_iter();
+        let wanted = gaps
+            .filter(|gap| gap.0 > 1.0)
+            .map(|(_, quantity, upper)| (quantity - self.first(), usize::from(upper)));
+        wanted
+            .filter(|(param, side)| {
+                let best = self.best[*param][*side].as_ref();
+                best.is_some_and(|best| best.reach > NEAREST)
+            })
+            .map(|(param, side)| Job::Climb(param, side))
+            .collect()
+    }
+
+    /// Halves of the leaves that decide what is not known well enough.
+    fn divisions(&mut self) -> Vec<Job> {
+        let mut chosen = self.worst();
+        let room = self.options.sets.saturating_sub(self.sets) / 2;
+        chosen.truncate(room);
+        chosen.sort_unstable_by(|a, b| b.cmp(a));
+        let mut jobs = Vec::new();
+        for position in chosen {
+            match self.leaves[position].cell.halves() {
+                Some(halves) => {
+                    self.leaves.swap_remove(position);
+                    jobs.extend(halves.map(Job::Divide));
                 }
+                None => self.leaves[position].is_atom = true,
             }
         }
+        jobs
     }
 
     fn bounds(&self, quantities: std::ops::Range<usize>) -> Vec<Bounds> {
@@ -330,4 +473,19 @@ impl<'a> Search<'a> {
             line: instant.line,
         })
     }
+}
+
+/// A point in unknowns of which `part` is the unit box.
+fn inside(part: &[Interval], point: &[f64]) -> Vec<f64> {
+    let pairs = part.iter().zip(point);
+    pairs
+        .map(|(part, x)| {
+            let (middle, radius) = part.mid_rad();
+            if radius > 0.0 {
+                (x - middle) / radius
+            } else {
+                0.0
+            }
+        })
+        .collect()
 }

@@ -33,8 +33,10 @@
 )]
 
 use super::ahead::{around, later};
+use super::frame::Frame;
 use super::journey::{Acting, Journey};
-use super::outward::raised;
+use super::monomials::Monomials;
+use super::outward::{UNIT, raised};
 use super::piece::{OnBox, Piece};
 use super::range::range;
 use super::regime::{Field, Reason, Regime, Watch};
@@ -478,7 +480,7 @@ impl Journey<'_> {
         let unit = prepared.unit;
         let times = around(scaled) * Interval::point(unit);
         let (mut current, mut left, mut since) = (self.current, self.left, Interval::ZERO);
-        let mut passed = Vec::new();
+        let (mut passed, mut passing) = (Vec::new(), Vec::new());
         let already = self.form.tube.iter().zip(&tube);
         let mut tube_now: Vec<Interval> = already.map(|(a, b)| a.hull(*b)).collect();
         while current < self.stretches.len() && (since + left).lo() < moved.hi() {
@@ -486,7 +488,7 @@ impl Journey<'_> {
             if since.hi() > moved.lo() {
                 return None;
             }
-            let mut early = Vec::new();
+            let mut before = None;
             if since.lo() <= times.hi() + apart {
                 // Nobody is on this side after the last crossing.
                 let last = since.hi().min(raised(times.hi() + apart, 1));
@@ -494,17 +496,22 @@ impl Journey<'_> {
                 let place = acting
                     .piece
                     .arrival(&self.form, &acting.scratch, prepared, &end);
-                early = place.ok()?.hull(&self.form);
+                before = Some(place.ok()?.place(&self.form));
             }
-            let mut late = Vec::new();
+            let mut behind = None;
             if since.hi() >= times.lo() - apart {
-                late = self.late(
+                behind = Some(self.late(
                     (next, second, after),
                     (scaled, unit),
                     since,
                     (apart, passage),
-                )?;
+                )?);
             }
+            let hull = |place: &Option<Place>| {
+                let place = place.as_ref();
+                place.map_or(Vec::new(), |place| place.hull(&self.form.monomials))
+            };
+            let (mut early, mut late) = (hull(&before), hull(&behind));
             self.clip(&acting.regime.signs, &mut early);
             self.clip(&next.regime.signs, &mut late);
             let end: Vec<Interval> = match (early.is_empty(), late.is_empty()) {
@@ -512,6 +519,10 @@ impl Journey<'_> {
                 (true, _) => late,
                 (_, true) => early,
             };
+            if self.meet.is_some() {
+                let copy = before.into_iter().chain(behind).reduce(Place::either);
+                passing.extend(copy.map(|place| (current + 1, place.of(&self.form))));
+            }
             passed.push((end, std::mem::replace(&mut tube_now, tube.clone())));
             current += 1;
             left = self
@@ -521,14 +532,12 @@ impl Journey<'_> {
         }
         let modes = acting.regime.modes.union(next.regime.modes);
         self.proved.steps += 2;
+        self.passed_by = passing;
         for (stretch, (end, whole)) in (self.current..).zip(passed) {
             let outputs = self.outputs_on(&tube, &self.stretches[stretch].inputs);
             self.proved.pass(&outputs, modes);
             let next = self.stretches.get(stretch + 1);
             let outputs = next.map(|next| self.outputs_on(&end, &next.inputs));
-            if self.meet.is_some() {
-                self.passed_by.push((stretch + 1, end.clone()));
-            }
             self.proved.end(end, whole);
             outputs
                 .into_iter()
@@ -562,7 +571,7 @@ impl Journey<'_> {
         (scaled, unit): (&[f64], f64),
         since: Interval,
         (apart, passage): (f64, &Passage),
-    ) -> Option<Vec<Interval>> {
+    ) -> Option<Place> {
         let scale = unit / after.unit;
         let mut own: Vec<f64> = scaled.iter().map(|x| -x * scale).collect();
         let middle = since.mid();
@@ -583,7 +592,7 @@ impl Journey<'_> {
             let by = (off + 2.0 * apart) * speed + apart * passage.rates[i].mag();
             *more += Interval::symmetric(raised(by, 8));
         }
-        Some(place.hull(second))
+        Some(place.place(second))
     }
 
     /// Cuts a box of states with what is known of the surfaces.
@@ -689,13 +698,54 @@ impl Arrival {
         moved.map(|((x, low), more)| x + low + *more).collect()
     }
 
-    /// Encloses the states; `before` is the form that arrives.
-    fn hull(&self, before: &Form) -> Vec<Interval> {
-        let deviation = self.deviation(&before.frame.hull());
-        let list = self.states.iter().zip(deviation);
-        list.map(|(polynomial, d)| range(&before.monomials, polynomial) + d)
+    /// Where the states are; `before` is the form that arrives.
+    fn place(self, before: &Form) -> Place {
+        Place {
+            deviation: self.deviation(&before.frame.hull()),
+            states: self.states,
+        }
+    }
+}
+
+/// Where states are at one time of a window: polynomials in the unknowns, and how far from them.
+struct Place {
+    states: Vec<Vec<f64>>,
+    deviation: Vec<Interval>,
+}
+
+impl Place {
+    fn hull(&self, monomials: &Monomials) -> Vec<Interval> {
+        let list = self.states.iter().zip(&self.deviation);
+        list.map(|(polynomial, d)| range(monomials, polynomial) + *d)
             .collect()
     }
+
+    /// In this place or in that one: the polynomials of this one, and how far the others are from them.
+    fn either(mut self, other: Place) -> Place {
+        for (i, d) in self.deviation.iter_mut().enumerate() {
+            let apart = difference(&other.states[i], &self.states[i]);
+            *d = d.hull(apart + other.deviation[i]);
+        }
+        self
+    }
+
+    /// A form of the same unknowns as `form`, there.
+    fn of(self, form: &Form) -> Form {
+        let mut copy = form.clone();
+        copy.states = self.states;
+        copy.frame = Frame::upright(self.deviation);
+        copy
+    }
+}
+
+/// Encloses the values of the difference of two polynomials on the unit box.
+fn difference(a: &[f64], b: &[f64]) -> Interval {
+    let mut reach = 0.0;
+    for (x, y) in a.iter().zip(b).skip(1) {
+        reach += (x - y).abs() * (1.0 + 2.0 * UNIT);
+    }
+    let middle = Interval::point(a[0]) - Interval::point(b[0]);
+    middle.inflate(raised(reach, a.len()))
 }
 
 /// Whether a watch follows from what was watched before going on to grow: a surface that is left.

@@ -88,16 +88,16 @@ impl Acting {
 
 /// All solutions of a form at the begin of a stretch, or at the end of the last.
 ///
-/// Guarantee: every solution of the form lies in `states` at that time, and in the form, if there is one: where
-/// solutions cross a surface, each at its own time, there is none in between.
+/// Guarantee: every solution of the form lies in it at that time.
 #[derive(Debug)]
 pub struct Meeting<'a> {
     /// Number of stretches behind.
     pub stretch: usize,
-    /// The form, which may be narrowed ([`Form::contract`]): then the rest is about what is left.
-    pub form: Option<&'a mut Form>,
-    /// A box of states, where there is no form; else the form tells.
-    pub states: &'a [Interval],
+    /// The form, which may be narrowed ([`Form::narrow`], [`Form::contract`]): then the rest is about what is left.
+    pub form: &'a mut Form,
+    /// Whether it is a copy on the way across a surface, which some solutions have passed and others have not;
+    /// that it is narrowed is forgotten.
+    pub is_passing: bool,
 }
 
 /// A form and how far it has come.
@@ -117,8 +117,8 @@ pub(super) struct Journey<'a> {
     pub(super) go_on: &'a dyn Fn(f64) -> bool,
     /// Shown the form wherever a stretch begins, and at the end of the last one.
     pub(super) meet: Option<&'a mut dyn FnMut(Meeting<'_>)>,
-    /// Boxes of states at begins of stretches that the last crossing went over.
-    pub(super) passed_by: Vec<(usize, Vec<Interval>)>,
+    /// Forms at begins of stretches that the last crossing went over.
+    pub(super) passed_by: Vec<(usize, Form)>,
     /// Whether outputs are told, too.
     tells_outputs: bool,
     pub(super) acting: Option<Acting>,
@@ -255,8 +255,8 @@ impl<'a> Journey<'a> {
         if let Some(meet) = &mut self.meet {
             meet(Meeting {
                 stretch: self.current,
-                form: Some(&mut self.form),
-                states: &[],
+                form: &mut self.form,
+                is_passing: false,
             });
         }
     }
@@ -264,11 +264,11 @@ impl<'a> Journey<'a> {
     /// Shows where solutions were at begins of stretches that a crossing went over.
     fn meet_passed(&mut self) {
         if let Some(meet) = &mut self.meet {
-            for (stretch, states) in self.passed_by.drain(..) {
+            for (stretch, mut form) in self.passed_by.drain(..) {
                 meet(Meeting {
                     stretch,
-                    form: None,
-                    states: &states,
+                    form: &mut form,
+                    is_passing: true,
                 });
             }
         }
