@@ -25,6 +25,9 @@ const ROUNDS: usize = 30;
 /// A turned region is taken when its volume is smaller by this factor.
 const SMALLER: f64 = 0.5;
 
+/// A box around it may be wider by this factor.
+const WIDER: f64 = 1.3;
+
 /// Rows that are from no sample say this instead.
 pub(crate) const BELIEVED: usize = u32::MAX as usize;
 
@@ -394,7 +397,15 @@ impl Cell {
         if volume > SMALLER {
             return None;
         }
-        self.region.part(&self.part).turned(&columns, &along)
+        let upright = self.region.part(&self.part);
+        let turned = upright.turned(&columns, &along)?;
+        // A box around it must not be much larger, since right-hand sides are asked on that.
+        let is_compact = upright
+            .hull()
+            .iter()
+            .zip(turned.hull())
+            .all(|(before, after)| after.width() <= WIDER * before.width());
+        is_compact.then_some(turned)
     }
 
     /// Proved bounds of a quantity: those of the solutions that agree with all records.

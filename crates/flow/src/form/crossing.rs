@@ -106,7 +106,7 @@ impl Journey<'_> {
             return None;
         }
         let scaled = acting.times(begin, watch, root / unit)?;
-        let times = around(&scaled);
+        let times = range(&begin.monomials, &scaled);
         if times.lo() < 0.0 || times.hi() > span {
             return None;
         }

@@ -29,6 +29,10 @@ const SHORTEST: f64 = 1e-7;
 /// that the crossing will take.
 const APPROACH: f64 = 0.5;
 
+/// A crossing begins so much earlier than the first solution may meet the surface, as share of the time that all
+/// of them take: the times of crossings are polynomials, which may be early.
+const SLACK: f64 = 0.3;
+
 /// A regime, compiled, with scratch for the form at hand.
 pub(super) struct Acting {
     pub(super) regime: Regime,
@@ -368,8 +372,9 @@ impl<'a> Journey<'a> {
         };
         let unit = prepared.unit;
         let takes = acting.crossing_time(trouble.watch, unit);
-        let from = trouble.from * (1.0 - 1e-9);
-        if from * unit > self.shortest() && from >= APPROACH * takes.min(span) {
+        let takes_of_span = takes.min(span);
+        let from = trouble.from * (1.0 - 1e-9) - SLACK * takes_of_span;
+        if from * unit > self.shortest() && from >= APPROACH * takes_of_span {
             let end = End::At {
                 scaled: from,
                 off: 0.0,

@@ -18,6 +18,9 @@ use veribound_interval::{Interval, Interval8};
 /// Rounds in which the bound of the deviation may grow before a step is called too long.
 const ROUNDS: usize = 8;
 
+/// Rounds in which the units of states are balanced.
+const BALANCING: usize = 8;
+
 /// Times a step is shortened before it is given up.
 const SHORTENINGS: usize = 40;
 
@@ -309,14 +312,35 @@ impl Piece {
                 }
             }
         }
-        let mut steepest: f64 = 0.0;
-        let mut rows = vec![0.0; self.states];
-        for &(i, _, register) in &self.slopes {
-            rows[i] += scratch.series.block(register)[0].abs() * unit;
-            steepest = steepest.max(rows[i]);
-        }
-        let span = span.min(form.options.steepest / steepest);
+        let span = span.min(form.options.steepest / self.steepness(scratch, unit));
         if span.is_finite() { span } else { 1e6 }
+    }
+
+    /// About the spectral radius of `|∂f/∂x|`, from above: that of the comparison equation, whatever the units of
+    /// states are (Collatz and Wielandt: `max (C v)_i / v_i` for any positive `v`).
+    fn steepness(&self, scratch: &Scratch, unit: f64) -> f64 {
+        let slopes = self.slopes.iter();
+        let entries: Vec<(usize, usize, f64)> = slopes
+            .map(|&(i, l, register)| (i, l, scratch.series.block(register)[0].abs() * unit))
+            .collect();
+        let mut v = vec![1.0; self.states];
+        let mut least = f64::INFINITY;
+        for _ in 0..BALANCING {
+            let mut product = vec![0.0; self.states];
+            for (i, l, x) in &entries {
+                product[*i] += x * v[*l];
+            }
+            let ratios = product.iter().zip(&v).map(|(x, v)| x / v);
+            least = least.min(ratios.fold(0.0, f64::max));
+            // Shifted, so that rotations settle.
+            let shift = 0.5 * least + 1e-300;
+            let largest = product.iter().zip(&v).map(|(x, v)| x + shift * v);
+            let largest = largest.fold(0.0, f64::max) + 1e-300;
+            for (v, x) in v.iter_mut().zip(&product) {
+                *v = ((x + shift * *v) / largest).max(1e-100);
+            }
+        }
+        least
     }
 
     /// Bounds the deviation of every solution that starts within `reach` of the polynomial.
