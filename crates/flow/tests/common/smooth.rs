@@ -125,13 +125,13 @@ pub const SMOOTH: &[Smooth] = &[
     Smooth {
         name: "angles, roots, powers, and steps that are not met",
         text: "format = 1\nstates = [\"x\", \"y\", \"z\"]\n[init]\nx = 1\ny = 1\nz = 0\n[params]\na = [0.5, 2]\n\
-               [der]\nx = \"-y*a\"\ny = \"x*a\"\nz = \"atan2(y, x)*(1 + x^2)^a - cbrt(x + 3)*(z + 3)^1.5 + floor(x/9)\"\n\
+               [der]\nx = \"-y*a\"\ny = \"x*a\"\nz = \"atan2(y, x)*(1 + x^2)^a - cbrt(x + 3)*(z + 3)^1.5 + floor(x/9 + 0.5)\"\n\
                [outputs]\nm = \"x +- 1\"\n",
         rate: |x, p, _, d| {
             d[0] = -x[1] * p[0];
             d[1] = x[0] * p[0];
             let drive = x[1].atan2(x[0]) * (1.0 + x[0] * x[0]).powf(p[0]);
-            d[2] = drive - (x[0] + 3.0).cbrt() * (x[2] + 3.0).powf(1.5) + (x[0] / 9.0).floor();
+            d[2] = drive - (x[0] + 3.0).cbrt() * (x[2] + 3.0).powf(1.5) + (x[0] / 9.0 + 0.5).floor();
         },
         states: &[(0.3, 0.8), (0.6, 1.2), (-0.2, 0.2)],
         params: &[(0.5, 1.5)],
