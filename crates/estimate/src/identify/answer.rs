@@ -7,8 +7,8 @@ use veribound_interval::{Decimal, Interval};
 pub struct IdentifyOptions {
     /// Outer bounds need not be wider than this many times the inner ones.
     pub tightness: f64,
-    /// The part of the prior that may stay undecided in the paving, as a share of the volume of the outer box;
-    /// `None` asks for no paving.
+    /// The share of the volume that is not excluded which may stay undecided in the paving; `None` asks for no
+    /// paving.
     pub undecided: Option<f64>,
     /// Most sets that are looked at.
     pub sets: usize,

@@ -4,8 +4,10 @@
     reason = "PROOF: one row of axes per quantity, unknowns and rows of the same region"
 )]
 
+use super::answer::Reason;
 use super::eigen::eigenvectors;
 use super::pass::{Conflict, Passed, Span, contract, pass};
+use super::pave::reason_of;
 use super::problem::Problem;
 use super::region::{Region, scales_of};
 use super::rows::{Affine, Rows};
@@ -71,11 +73,12 @@ impl Problem {
         starts.chain(&self.prior).copied().collect()
     }
 
-    /// Narrows a region round by round, until samples tell no more of it.
+    /// Narrows a region round by round, until samples tell no more of it; the region may be turned where that is
+    /// allowed.
     ///
     /// Guarantee: all start values and parameters of the region that agree with all records are in the part of the
     /// cell; a clash proves that there are none.
-    pub(crate) fn refine(&self, mut region: Region) -> Result<Cell, Clash> {
+    pub(crate) fn refine(&self, mut region: Region, may_turn: bool) -> Result<Cell, Clash> {
         let mut passes = 0;
         for round in 1.. {
             let (cell, shrunk) = match self.round(region, &mut passes, true) {
@@ -88,7 +91,7 @@ impl Problem {
                     });
                 }
             };
-            let (next, turned) = cell.smaller();
+            let (next, turned) = cell.smaller(may_turn);
             if round >= ROUNDS || (shrunk > WORTHWHILE && !turned) {
                 return Ok(Cell { passes, ..cell });
             }
@@ -365,9 +368,9 @@ fn information(rows: &Rows, part: &[Interval]) -> Vec<f64> {
 
 impl Cell {
     /// The region that is left, turned along its rows where that makes it much smaller.
-    pub(crate) fn smaller(&self) -> (Region, bool) {
+    pub(crate) fn smaller(&self, may_turn: bool) -> (Region, bool) {
         let upright = self.region.part(&self.part);
-        match self.turned() {
+        match self.turned().filter(|_| may_turn) {
             Some(turned) => (turned, true),
             None => (upright, false),
         }
@@ -414,6 +417,21 @@ impl Cell {
         let bounds = program.bounds(&self.region.axes[quantity]);
         let around = self.region.range(quantity, &self.part);
         (bounds + self.region.offset(quantity)).intersect(around)
+    }
+
+    /// As [`Cell::outer`], with what excludes the values below and above.
+    pub(crate) fn outer_because(&self, quantity: usize) -> (Interval, [Reason; 2]) {
+        let bounds = self.outer(quantity);
+        let program = Program::new(&self.rows, &self.part, Side::Outer);
+        let because = [1.0, -1.0].map(|sign| {
+            let row = self.region.axes[quantity].iter();
+            let direction: Vec<f64> = row.map(|x| sign * x).collect();
+            let held = program.minimize(&direction).multipliers.into_iter();
+            let held = held.filter(|(_, multiplier)| *multiplier != 0.0);
+            let samples: Vec<(usize, usize)> = held.map(|(row, _)| self.rows.origin(row)).collect();
+            reason_of(0, &samples)
+        });
+        (bounds, because)
     }
 
     /// Unknowns that are proved to agree with all records, about where each of the quantities is least and largest.

@@ -35,10 +35,9 @@ pub(crate) fn eigenvectors(n: usize, matrix: &[f64]) -> Vec<Vec<f64>> {
                     a[p * n + k] = c * x - s * y;
                     a[q * n + k] = s * x + c * y;
                 }
-                for k in 0..n {
-                    let (x, y) = (columns[p][k], columns[q][k]);
-                    columns[p][k] = c * x - s * y;
-                    columns[q][k] = s * x + c * y;
+                let (before, after) = columns.split_at_mut(q);
+                for (x, y) in before[p].iter_mut().zip(&mut after[0]) {
+                    (*x, *y) = (c * *x - s * *y, s * *x + c * *y);
                 }
             }
         }

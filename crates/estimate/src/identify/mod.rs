@@ -5,6 +5,7 @@ mod cell;
 mod eigen;
 mod gross;
 mod pass;
+mod pave;
 mod problem;
 mod region;
 mod rows;
@@ -29,20 +30,42 @@ pub fn identify(
     options: &IdentifyOptions,
     go_on: &(dyn Fn(&Progress) -> bool + Sync),
 ) -> Identified {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(options.threads.max(1))
+        .build();
+    let work = || on_these_threads(model, records, options, go_on);
+    match pool {
+        Ok(pool) => pool.install(work),
+        // The system gives no threads: the one at hand does it.
+        Err(_) => work(),
+    }
+}
+
+fn on_these_threads(
+    model: &Model,
+    records: &[Vec<Sample>],
+    options: &IdentifyOptions,
+    go_on: &(dyn Fn(&Progress) -> bool + Sync),
+) -> Identified {
     let mut problem = Problem::new(model);
     for samples in records {
         problem.add(model, samples);
     }
     let mut search = Search::new(&problem, options);
     let mut believed = problem.believed();
-    if search.is_within_reach(&believed) {
-        search.run(Region::of_box(&believed), go_on);
-        return search.answer();
-    }
-    let alive = || go_on(&search.progress());
-    match gross::narrow(&problem, model, records, &mut believed, &alive) {
+    let narrowed = if search.is_within_reach(&believed) {
+        Ok(())
+    } else {
+        let alive = || go_on(&search.progress());
+        gross::narrow(&problem, model, records, &mut believed, &alive)
+    };
+    match narrowed {
         Ok(()) => search.run(Region::of_box(&believed), go_on),
         Err(clash) => search.refute(clash),
     }
-    search.answer()
+    let tiles = match options.undecided {
+        Some(share) => search.pave(share, go_on),
+        None => Vec::new(),
+    };
+    search.answer(tiles)
 }

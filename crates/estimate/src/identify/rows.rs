@@ -98,7 +98,7 @@ impl Rows {
         for row in 0..self.len() {
             let slopes = &mut self.slopes[row * self.unknowns..(row + 1) * self.unknowns];
             let moved = rescale(slopes, scales);
-            self.outer[row] = self.outer[row] - moved;
+            self.outer[row] -= moved;
             self.inner[row] = shrunk(self.inner[row], moved);
         }
     }

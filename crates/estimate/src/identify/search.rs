@@ -4,9 +4,12 @@
     reason = "PROOF: one pair of bounds per quantity of a region"
 )]
 
-use super::answer::{Bounds, Conclusion, Identified, IdentifyOptions, Limit, Progress, Refuted};
+use super::answer::{
+    Bounds, Conclusion, Identified, IdentifyOptions, Limit, Progress, Refuted, Tile,
+};
 use super::cell::{BELIEVED, Cell, Clash};
 use super::pass::Conflict;
+use super::pave::Paving;
 use super::problem::Problem;
 use super::region::Region;
 use rayon::prelude::*;
@@ -110,7 +113,7 @@ impl<'a> Search<'a> {
 
     /// Whether one region that is the whole box comes to the end of every record.
     pub(crate) fn is_within_reach(&self, quantities: &[Interval]) -> bool {
-        let cell = self.problem.refine(Region::of_box(quantities));
+        let cell = self.problem.refine(Region::of_box(quantities), true);
         cell.map_or(true, |cell| self.has_ended(&cell))
     }
 
@@ -130,7 +133,7 @@ impl<'a> Search<'a> {
         let first = self.first();
         let probed = match job {
             Job::Divide(region) => {
-                return match self.problem.refine(region.clone()) {
+                return match self.problem.refine(region.clone(), true) {
                     Ok(cell) => {
                         let outer = (0..self.quantities()).map(|i| cell.outer(i)).collect();
                         Outcome::Left(Box::new(Leaf {
@@ -388,6 +391,16 @@ impl<'a> Search<'a> {
         jobs
     }
 
+    /// Paves the prior, so that undecided tiles are at most this share of the volume that is not excluded.
+    pub(crate) fn pave(&mut self, share: f64, go_on: &dyn Fn(&Progress) -> bool) -> Vec<Tile> {
+        let mut paving = Paving::new(self.problem);
+        let goes_on = paving.run(share, self.options.sets, go_on);
+        self.interrupted |= !goes_on;
+        self.sets += paving.sets;
+        self.passes += paving.passes;
+        paving.tiles()
+    }
+
     fn bounds(&self, quantities: std::ops::Range<usize>) -> Vec<Bounds> {
         quantities
             .map(|quantity| Bounds {
@@ -398,7 +411,7 @@ impl<'a> Search<'a> {
     }
 
     /// What was proved.
-    pub(crate) fn answer(self) -> Identified {
+    pub(crate) fn answer(self, tiles: Vec<Tile>) -> Identified {
         let n = self.problem.layout.states;
         let first = self.first();
         let conclusion = if self.leaves.is_empty() {
@@ -435,7 +448,7 @@ impl<'a> Search<'a> {
                 .iter()
                 .map(|point| point[first..].to_vec())
                 .collect(),
-            tiles: Vec::new(),
+            tiles,
             sets: self.sets,
             passes: self.passes,
             interrupted: self.interrupted,

@@ -290,7 +290,7 @@ fn combined(
         let multiplier = Interval::point(*multiplier);
         sum += multiplier * rows.outer(*row);
         for (rest, slope) in rest.iter_mut().zip(rows.slopes(*row)) {
-            *rest = *rest - multiplier * Interval::point(*slope);
+            *rest -= multiplier * Interval::point(*slope);
         }
     }
     let left = rest.iter().zip(part);

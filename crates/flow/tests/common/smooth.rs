@@ -131,7 +131,8 @@ pub const SMOOTH: &[Smooth] = &[
             d[0] = -x[1] * p[0];
             d[1] = x[0] * p[0];
             let drive = x[1].atan2(x[0]) * (1.0 + x[0] * x[0]).powf(p[0]);
-            d[2] = drive - (x[0] + 3.0).cbrt() * (x[2] + 3.0).powf(1.5) + (x[0] / 9.0 + 0.5).floor();
+            d[2] =
+                drive - (x[0] + 3.0).cbrt() * (x[2] + 3.0).powf(1.5) + (x[0] / 9.0 + 0.5).floor();
         },
         states: &[(0.3, 0.8), (0.6, 1.2), (-0.2, 0.2)],
         params: &[(0.5, 1.5)],

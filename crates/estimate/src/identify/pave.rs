@@ -1,0 +1,436 @@
+//! The paving: tiles of parameters inside, outside, and undecided.
+//!
+//! The largest undecided tile is halved again and again. Rows that samples give on a larger tile around decide most
+//! halves without moving anything through the record; only where what is not affine hides the answer, the tile
+//! is moved itself.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: one interval per parameter, unknowns and rows of the same region"
+)]
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::sync::Arc;
+
+use super::answer::{Progress, Reason, Status, Tile};
+use super::cell::{BELIEVED, Cell};
+use super::pass::Conflict;
+use super::problem::Problem;
+use super::region::Region;
+use rayon::prelude::*;
+use veribound_interval::Interval;
+
+/// Most tiles of a paving.
+const MOST_TILES: usize = 400_000;
+
+/// Tiles that are moved through the records at once, whatever the number of threads.
+const AT_ONCE: usize = 8;
+
+/// Tiles are moved with so much around them, as share of their width.
+const MARGIN: f64 = 1e-9;
+
+/// Rows hide the answer where this share of a tile's reach is not affine.
+const HIDDEN: f64 = 0.5;
+
+/// Rows in unknowns of which some are parameters, each alone.
+#[derive(Debug)]
+struct Local {
+    cell: Cell,
+    /// For every parameter its axis, if it has one.
+    axes: Vec<Option<usize>>,
+    /// Unknowns of the start states that may agree.
+    starts: Vec<f64>,
+}
+
+/// A tile that is not decided.
+#[derive(Debug)]
+struct Open {
+    params: Vec<Interval>,
+    volume: f64,
+    /// Rows that hold on it, unless it has to be moved itself.
+    local: Option<Arc<Local>>,
+    /// The parameter to halve.
+    axis: usize,
+    order: usize,
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Open) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Open {}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Open) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Open {
+    fn cmp(&self, other: &Open) -> Ordering {
+        let volumes = self.volume.total_cmp(&other.volume);
+        volumes.then(other.order.cmp(&self.order))
+    }
+}
+
+/// What rows say of a tile.
+enum Said {
+    Inside,
+    Outside(Reason),
+    /// Not decided; the parameter to halve.
+    Halve(usize),
+    /// What is not affine hides the answer.
+    Hidden(usize),
+}
+
+/// A paving under way.
+pub(crate) struct Paving<'a> {
+    problem: &'a Problem,
+    open: BinaryHeap<Open>,
+    tiles: Vec<Tile>,
+    undecided: f64,
+    inside: f64,
+    next: usize,
+    pub(crate) sets: usize,
+    pub(crate) passes: usize,
+}
+
+fn volume(params: &[Interval]) -> f64 {
+    let wide = params.iter().filter(|x| x.width() > 0.0);
+    wide.map(|x| x.width()).product()
+}
+
+impl<'a> Paving<'a> {
+    /// The prior is one open tile.
+    pub(crate) fn new(problem: &'a Problem) -> Paving<'a> {
+        let mut paving = Paving {
+            problem,
+            open: BinaryHeap::new(),
+            tiles: Vec::new(),
+            undecided: 0.0,
+            inside: 0.0,
+            next: 0,
+            sets: 0,
+            passes: 0,
+        };
+        paving.push(problem.prior.clone(), None, 0);
+        paving
+    }
+
+    fn push(&mut self, params: Vec<Interval>, local: Option<Arc<Local>>, axis: usize) {
+        let volume = volume(&params);
+        self.undecided += volume;
+        self.next += 1;
+        self.open.push(Open {
+            params,
+            volume,
+            local,
+            axis,
+            order: self.next,
+        });
+    }
+
+    fn close(&mut self, params: Vec<Interval>, status: Status, reason: Reason) {
+        if status == Status::Inside {
+            self.inside += volume(&params);
+        }
+        self.tiles.push(Tile {
+            params,
+            status,
+            reason,
+        });
+    }
+
+    /// Goes on until open tiles are at most this share of the volume that is not excluded, or `sets` tiles were moved
+    /// through the records; false if it was asked to end.
+    pub(crate) fn run(
+        &mut self,
+        share: f64,
+        sets: usize,
+        go_on: &dyn Fn(&Progress) -> bool,
+    ) -> bool {
+        let mut waiting: Vec<Open> = Vec::new();
+        while self.undecided > share * (self.undecided + self.inside)
+            && self.tiles.len() + self.open.len() < MOST_TILES
+        {
+            let Some(open) = self.open.pop() else {
+                if waiting.is_empty() {
+                    break;
+                }
+                if !self.move_all(&mut waiting, sets, go_on) {
+                    return false;
+                }
+                continue;
+            };
+            self.undecided -= open.volume;
+            match &open.local {
+                None => {
+                    self.undecided += open.volume;
+                    waiting.push(open);
+                    if waiting.len() >= AT_ONCE && !self.move_all(&mut waiting, sets, go_on) {
+                        return false;
+                    }
+                }
+                Some(local) => {
+                    let local = Arc::clone(local);
+                    self.halve(&open, &local);
+                }
+            }
+            if self.sets >= sets {
+                break;
+            }
+        }
+        self.open.extend(waiting);
+        true
+    }
+
+    /// The open tiles stay undecided.
+    pub(crate) fn tiles(mut self) -> Vec<Tile> {
+        let open = std::mem::take(&mut self.open);
+        for open in open.into_sorted_vec() {
+            self.close(open.params, Status::Undecided, Reason::Budget);
+        }
+        self.tiles
+    }
+
+    /// Moves tiles through the records.
+    fn move_all(
+        &mut self,
+        waiting: &mut Vec<Open>,
+        sets: usize,
+        go_on: &dyn Fn(&Progress) -> bool,
+    ) -> bool {
+        let room = sets.saturating_sub(self.sets);
+        if room < waiting.len() {
+            self.sets = sets;
+            return true;
+        }
+        let problem = self.problem;
+        let starts: Vec<Interval> = problem
+            .courses
+            .iter()
+            .flat_map(|course| course.start.iter().copied())
+            .collect();
+        let cells: Vec<_> = waiting
+            .par_iter()
+            .map(|open| {
+                // A little more, so that the border of the tile is inside of what rows tell about.
+                let params = open.params.iter().map(|x| x.inflate(MARGIN * x.width()));
+                let params: Vec<Interval> = params.collect();
+                let whole = [&starts[..], &params].concat();
+                problem.refine(Region::of_box(&whole), false)
+            })
+            .collect();
+        for (open, cell) in waiting.drain(..).zip(cells) {
+            self.undecided -= open.volume;
+            self.sets += 1;
+            match cell {
+                Err(clash) => {
+                    self.passes += clash.passes;
+                    self.close(
+                        open.params,
+                        Status::Outside,
+                        reason(clash.record, &clash.conflict),
+                    );
+                }
+                Ok(cell) => {
+                    self.passes += cell.passes;
+                    self.moved(open.params, cell);
+                }
+            }
+        }
+        go_on(&Progress {
+            sets: self.sets,
+            waiting: self.open.len(),
+            left: self.undecided / volume(&problem.prior),
+            tightness: f64::NAN,
+        })
+    }
+
+    /// Cuts off what the cell excludes; the rest is open, with the rows of the cell.
+    fn moved(&mut self, params: Vec<Interval>, cell: Cell) {
+        let first = self.problem.courses.len() * self.problem.layout.states;
+        let mut rest = params;
+        for param in 0..rest.len() {
+            let (bounds, because) = cell.outer_because(first + param);
+            let whole = rest[param];
+            let kept = whole.intersect(bounds);
+            if kept.is_empty() {
+                self.close(rest, Status::Outside, because[0].clone());
+                return;
+            }
+            let ends = [(whole.lo(), kept.lo()), (kept.hi(), whole.hi())];
+            for ((lo, hi), because) in ends.into_iter().zip(because) {
+                if lo < hi
+                    && let Some(piece) = Interval::new(lo, hi)
+                {
+                    let mut slab = rest.clone();
+                    slab[param] = piece;
+                    self.close(slab, Status::Outside, because);
+                }
+            }
+            rest[param] = kept;
+        }
+        let axes: Vec<Option<usize>> = (0..rest.len())
+            .map(|param| {
+                let row = &cell.region.axes[first + param];
+                row.iter().position(|x| *x != 0.0)
+            })
+            .collect();
+        let starts = cell.middle();
+        let local = Local { cell, axes, starts };
+        let widest = |a: &usize, b: &usize| {
+            let share = |p: usize| rest[p].width() / self.problem.prior[p].width().max(1e-300);
+            share(*a).total_cmp(&share(*b))
+        };
+        let axis = (0..rest.len()).max_by(widest).unwrap_or(0);
+        match local.says(&rest, self.problem) {
+            Said::Inside => self.close(rest, Status::Inside, Reason::Met),
+            Said::Outside(reason) => self.close(rest, Status::Outside, reason),
+            Said::Halve(axis) => self.push(rest, Some(Arc::new(local)), axis),
+            // Halves are moved themselves.
+            Said::Hidden(_) => {
+                for half in halves(&rest, axis) {
+                    self.push(half, None, axis);
+                }
+            }
+        }
+    }
+
+    fn halve(&mut self, open: &Open, local: &Arc<Local>) {
+        for half in halves(&open.params, open.axis) {
+            match local.says(&half, self.problem) {
+                Said::Inside => self.close(half, Status::Inside, Reason::Met),
+                Said::Outside(reason) => self.close(half, Status::Outside, reason),
+                Said::Halve(axis) => self.push(half, Some(Arc::clone(local)), axis),
+                Said::Hidden(axis) => self.push(half, None, axis),
+            }
+        }
+    }
+}
+
+/// Both halves; only one where the tile cannot be halved.
+fn halves(params: &[Interval], axis: usize) -> Vec<Vec<Interval>> {
+    let whole = params[axis];
+    let at = whole.mid();
+    if !(whole.lo() < at && at < whole.hi()) {
+        return vec![params.to_vec()];
+    }
+    let ends = [(whole.lo(), at), (at, whole.hi())];
+    ends.into_iter()
+        .filter_map(|(lo, hi)| {
+            let mut half = params.to_vec();
+            half[axis] = Interval::new(lo, hi)?;
+            Some(half)
+        })
+        .collect()
+}
+
+pub(crate) fn reason(record: usize, conflict: &Conflict) -> Reason {
+    match conflict {
+        Conflict::Value { sample, .. } => Reason::Sample {
+            record,
+            sample: *sample,
+        },
+        Conflict::Rows { samples } => reason_of(record, samples),
+    }
+}
+
+/// The samples of one of the records that exclude something.
+pub(crate) fn reason_of(record: usize, samples: &[(usize, usize)]) -> Reason {
+    let told = samples.iter().filter(|(sample, _)| *sample != BELIEVED);
+    let last = told.clone().map(|(_, record)| *record).max();
+    let record = last.unwrap_or(record);
+    let own = told.filter(|(_, own)| *own == record);
+    let mut samples: Vec<usize> = own.map(|(sample, _)| *sample).collect();
+    samples.sort_unstable();
+    samples.dedup();
+    Reason::Samples { record, samples }
+}
+
+impl Local {
+    /// What the rows say of a tile inside of the cell.
+    ///
+    /// Proof. A parameter is `offset + M δ` with one axis of its own, so parameters of the tile have `δ` in the
+    /// interval computed. With all start states of the cell, rows that cannot be met exclude the tile. With one
+    /// point of these, rows that are met by all `δ` of the tile prove it.
+    fn says(&self, params: &[Interval], problem: &Problem) -> Said {
+        let cell = &self.cell;
+        let first = problem.courses.len() * problem.layout.states;
+        let mut wide = cell.part.clone();
+        let mut is_inside = cell.is_complete;
+        let mut narrow: Vec<Interval> = self.starts.iter().map(|x| Interval::point(*x)).collect();
+        for (param, (axis, x)) in self.axes.iter().zip(params).enumerate() {
+            let Some(axis) = axis else { continue };
+            let slope = Interval::point(cell.region.axes[first + param][*axis]);
+            let own = (*x - cell.region.offset(first + param)) / slope;
+            narrow[*axis] = own;
+            wide[*axis] = own.intersect(wide[*axis]);
+            if wide[*axis].is_empty() {
+                return Said::Outside(Reason::Samples {
+                    record: 0,
+                    samples: Vec::new(),
+                });
+            }
+            // Rows tell of the unit box alone.
+            is_inside &= own.is_subset_of(Interval::symmetric(1.0));
+        }
+        let mut worst = None;
+        let mut missing = 0.0;
+        for row in 0..cell.rows.len() {
+            let slopes = cell.rows.slopes(row);
+            let (sample, record) = cell.rows.origin(row);
+            let sum = |at: &[Interval]| {
+                let terms = slopes.iter().zip(at);
+                terms.fold(Interval::ZERO, |sum, (g, x)| sum + Interval::point(*g) * *x)
+            };
+            let all = sum(&wide);
+            let outer = cell.rows.outer(row);
+            if !all.intersects(outer) {
+                return Said::Outside(reason_of(record, &[(sample, record)]));
+            }
+            let some = sum(&narrow);
+            let inner = cell.rows.inner(row);
+            if some.is_subset_of(inner) {
+                continue;
+            }
+            is_inside = false;
+            // How much of what is missing no halving brings.
+            let gap = outer.width() - if inner.is_empty() { 0.0 } else { inner.width() };
+            let reach = some.width().max(1e-300);
+            let below = (inner.lo() - some.lo()).max(some.hi() - inner.hi());
+            let below = if below.is_finite() { below } else { reach };
+            if below > missing || worst.is_none() {
+                missing = below.max(0.0);
+                worst = Some((row, gap / reach));
+            }
+        }
+        if is_inside {
+            return Said::Inside;
+        }
+        let widest = || {
+            let share = |p: &usize| params[*p].width() / problem.prior[*p].width().max(1e-300);
+            (0..params.len()).max_by(|a, b| share(a).total_cmp(&share(b)))
+        };
+        let Some((row, gap)) = worst else {
+            return Said::Hidden(widest().unwrap_or(0));
+        };
+        let slopes = cell.rows.slopes(row);
+        let reach = |param: usize| {
+            let axis = self.axes[param];
+            axis.map_or(0.0, |axis| (slopes[axis] * narrow[axis].width()).abs())
+        };
+        let axis = (0..params.len())
+            .max_by(|a, b| reach(*a).total_cmp(&reach(*b)))
+            .filter(|param| reach(*param) > 0.0)
+            .or_else(widest)
+            .unwrap_or(0);
+        if gap > HIDDEN || !cell.is_complete {
+            Said::Hidden(axis)
+        } else {
+            Said::Halve(axis)
+        }
+    }
+}

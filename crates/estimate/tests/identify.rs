@@ -1,0 +1,340 @@
+//! Identification against what is known exactly: feasible sets with closed forms, and the truth of random records.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking"
+)]
+
+#[path = "../../flow/tests/common/mod.rs"]
+mod common;
+
+use common::{Rng, read};
+use veribound_estimate::identify::{
+    Conclusion, Identified, IdentifyOptions, Reason, Status, Tile, identify,
+};
+use veribound_interval::{Decimal, Interval};
+use veribound_model::{Model, Sample};
+
+fn interval(lo: f64, hi: f64) -> Interval {
+    Interval::new(lo, hi).unwrap()
+}
+
+/// Samples of one output at these times; inputs may be none.
+fn samples(rows: &[(f64, Option<Interval>)], inputs: &[Vec<Interval>]) -> Vec<Sample> {
+    let sample = |(k, (time, measured)): (usize, &(f64, Option<Interval>))| Sample {
+        time: Decimal::parse(&format!("{time}")).unwrap(),
+        inputs: inputs.get(k).cloned().unwrap_or_default(),
+        outputs: vec![*measured],
+        signals: Vec::new(),
+        line: k + 2,
+    };
+    rows.iter().enumerate().map(sample).collect()
+}
+
+fn run(model: &Model, records: &[Vec<Sample>], options: &IdentifyOptions) -> Identified {
+    identify(model, records, options, &|_| true)
+}
+
+const TWO_EXPONENTIALS: &str = "format = 1\nstates = [\"y1\", \"y2\"]\n[init]\ny1 = 20\ny2 = -8\n[params]\n\
+    p1 = [0, 1]\np2 = [0, 1]\n[der]\ny1 = \"-p1*y1\"\ny2 = \"-p2*y2\"\n[outputs]\ny = \"y1 + y2 +- 0\"\n";
+
+fn two_exponentials() -> Vec<Sample> {
+    let told = [
+        (4.5, 7.5),
+        (0.67, 4.6),
+        (-1.0, 2.8),
+        (-1.7, 1.7),
+        (-1.9, 0.93),
+        (-1.8, 0.5),
+        (-1.6, 0.24),
+        (-1.4, 0.09),
+        (-1.2, 0.0089),
+        (-1.0, -0.031),
+    ];
+    let mut rows = vec![(0.0, None)];
+    let told = told.iter().enumerate();
+    rows.extend(told.map(|(k, (lo, hi))| ((k + 1) as f64, Some(interval(*lo, *hi)))));
+    samples(&rows, &[])
+}
+
+/// The exact hull is known to 30 digits, and the area.
+#[test]
+fn the_hull_and_the_area_of_two_exponentials() {
+    let model = read("two exponentials", TWO_EXPONENTIALS);
+    let options = IdentifyOptions {
+        tightness: 1.000_001,
+        undecided: Some(0.02),
+        ..IdentifyOptions::default()
+    };
+    let found = run(&model, &[two_exponentials()], &options);
+    assert_eq!(found.conclusion, Conclusion::Consistent);
+    let exact = [
+        interval(0.330_986_350_951_392_46, 0.776_098_614_023_552),
+        interval(0.153_107_555_956_393_98, 0.531_037_160_686_586_5),
+    ];
+    for (bounds, exact) in found.params.iter().zip(exact) {
+        assert!(exact.is_subset_of(bounds.outer), "{bounds:?}");
+        assert!(
+            bounds.outer.width() < 1.000_01 * exact.width(),
+            "{bounds:?}"
+        );
+        let inner = bounds.inner.unwrap();
+        assert!(inner.is_subset_of(exact.inflate(1e-14)), "{bounds:?}");
+        assert!(inner.width() > 0.999_99 * exact.width(), "{bounds:?}");
+    }
+    let area = |status: Status| -> f64 {
+        let tiles = found.tiles.iter().filter(|tile| tile.status == status);
+        tiles.map(size).sum()
+    };
+    let exact = 0.066_113_659_190_697_2;
+    let (inside, undecided) = (area(Status::Inside), area(Status::Undecided));
+    assert!(inside <= exact && exact <= inside + undecided);
+    assert!(undecided <= 0.021 * exact, "{undecided}");
+    covers(&found.tiles, &[interval(0.0, 1.0), interval(0.0, 1.0)]);
+    // Points of tiles are what they are said to be.
+    let mut rng = Rng(7);
+    let agrees = |p: &[f64]| {
+        two_exponentials().iter().all(|sample| {
+            let t = sample.time.to_interval().mid();
+            let y = 20.0 * (-p[0] * t).exp() - 8.0 * (-p[1] * t).exp();
+            sample.outputs[0].is_none_or(|told| told.contains(y))
+        })
+    };
+    for tile in &found.tiles {
+        let point: Vec<f64> = tile.params.iter().map(|x| rng.inside(*x)).collect();
+        match tile.status {
+            Status::Inside => assert!(agrees(&point), "{point:?} {tile:?}"),
+            Status::Outside => assert!(!agrees(&point), "{point:?} {tile:?}"),
+            Status::Undecided => {}
+        }
+    }
+}
+
+fn size(tile: &Tile) -> f64 {
+    tile.params.iter().map(|x| x.width()).product()
+}
+
+/// Tiles cover the whole, and overlap at borders only.
+fn covers(tiles: &[Tile], whole: &[Interval]) {
+    let all: f64 = tiles.iter().map(size).sum();
+    let whole_size: f64 = whole.iter().map(|x| x.width()).product();
+    assert!((all - whole_size).abs() < 1e-9 * whole_size, "{all}");
+    let mut rng = Rng(3);
+    for _ in 0..2000 {
+        let point: Vec<f64> = whole.iter().map(|x| rng.inside(*x)).collect();
+        let around = tiles.iter().filter(|tile| {
+            let mut pairs = tile.params.iter().zip(&point);
+            pairs.all(|(x, p)| x.contains(*p))
+        });
+        assert!(around.count() >= 1, "{point:?}");
+    }
+}
+
+/// A motor with dry friction and its exact solution under held torque.
+struct Motor {
+    alpha: f64,
+    beta: f64,
+    level: f64,
+}
+
+impl Motor {
+    fn step(&self, mut x: f64, mut v: f64, u: f64, h: f64) -> (f64, f64) {
+        let mut left = h;
+        while left > 0.0 {
+            let sign = if v != 0.0 {
+                v.signum()
+            } else if u.abs() <= self.level {
+                return (x, 0.0);
+            } else {
+                u.signum()
+            };
+            let c = self.beta * (u - sign * self.level) / self.alpha;
+            let ratio = c / (v + c);
+            let stop = if v != 0.0 && ratio > 0.0 && ratio < 1.0 {
+                ratio.ln() / self.alpha
+            } else {
+                f64::INFINITY
+            };
+            let part = left.min(stop);
+            let grown = (self.alpha * part).exp_m1();
+            x += (v + c) * grown / self.alpha - c * part;
+            v = if stop <= left {
+                0.0
+            } else {
+                (v + c) * (grown + 1.0) - c
+            };
+            left -= part;
+        }
+        (x, v)
+    }
+}
+
+const MOTOR: &str = "format = 1\nstates = [\"x\", \"v\"]\ninputs = [\"u\"]\n[init]\nx = [-0.2, 0.2]\nv = 0\n[params]\n\
+    alpha = [-6, -0.05]\nbeta = [1, 400]\nT = [0, 0.3]\n[der]\nx = \"v\"\nv = \"alpha*v + beta*(u - friction(v, u, T))\"\n\
+    [outputs]\nm = \"x +- 0.1\"\n";
+
+/// A record of a motor, with errors that often are at the bound.
+fn motor_record(rng: &mut Rng, motor: &Motor, count: usize) -> Vec<Sample> {
+    let (mut x, mut v, mut u) = (0.0, 0.0, 0.0);
+    let mut left = 0;
+    let (mut rows, mut inputs) = (Vec::new(), Vec::new());
+    for k in 0..count {
+        if left == 0 {
+            u = (rng.pick(&[0.0, 1.0, -1.0, 1.0]) * rng.between(0.1, 0.4) * 1e3).round() / 1e3;
+            left = 20 + rng.below(60);
+        }
+        left -= 1;
+        let unit = rng.between(-1.0, 1.0);
+        let error = 0.0999 * rng.pick(&[-1.0, 1.0, unit]);
+        let measured = ((x + error) * 1e6).round() / 1e6;
+        rows.push((
+            k as f64 / 100.0,
+            Some(Interval::point(measured).inflate(0.1)),
+        ));
+        inputs.push(vec![Interval::point(u)]);
+        (x, v) = motor.step(x, v, u, 0.01);
+    }
+    samples(&rows, &inputs)
+}
+
+/// Random motors with friction, through stops and reversals: true parameters are never excluded, and proved
+/// points agree with exact solutions.
+#[test]
+fn the_truth_of_motors_is_never_lost() {
+    let model = read("motor", MOTOR);
+    let mut rng = Rng(number("VERIBOUND_SEED", 17));
+    let (mut narrowed, rounds) = (0, number("VERIBOUND_ROUNDS", 6));
+    for _ in 0..rounds {
+        let motor = Motor {
+            alpha: rng.between(-4.0, -0.5),
+            beta: rng.between(50.0, 300.0),
+            level: rng.between(0.02, 0.25),
+        };
+        let count = 150 + rng.below(500);
+        let record = motor_record(&mut rng, &motor, count);
+        let options = IdentifyOptions {
+            sets: 24,
+            ..IdentifyOptions::default()
+        };
+        let found = run(&model, &[record.clone()], &options);
+        assert!(!matches!(found.conclusion, Conclusion::Inconsistent(_)));
+        let truth = [motor.alpha, motor.beta, motor.level];
+        for (bounds, truth) in found.params.iter().zip(truth) {
+            assert!(bounds.outer.contains(truth), "{truth} in {bounds:?}");
+        }
+        for point in &found.points {
+            let p: Vec<f64> = point.iter().map(|x| x.mid()).collect();
+            agrees(&p, &record, found.starts[0][0].outer);
+        }
+        narrowed += usize::from(found.params[2].outer.width() < 0.03);
+    }
+    assert!(3 * narrowed >= rounds as usize, "{narrowed}");
+}
+
+/// Some start of the exact solution agrees with all samples.
+fn agrees(p: &[f64], record: &[Sample], start: Interval) {
+    let motor = Motor {
+        alpha: p[0],
+        beta: p[1],
+        level: p[2],
+    };
+    let (mut x, mut v) = (0.0, 0.0);
+    let mut allowed = start.inflate(1e-9);
+    for pair in record.windows(2) {
+        // The start angle is added to all angles.
+        let told = pair[0].outputs[0].unwrap();
+        allowed = allowed.intersect((told - Interval::point(x)).inflate(1e-7));
+        (x, v) = motor.step(x, v, pair[0].inputs[0].mid(), 0.01);
+    }
+    assert!(!allowed.is_empty(), "{p:?}");
+}
+
+fn number(name: &str, usual: u64) -> u64 {
+    std::env::var(name).map_or(usual, |text| text.parse().unwrap())
+}
+
+const DECAY: &str = "format = 1\nstates = [\"x\"]\n[init]\nx = [0.9, 1.1]\n[params]\nk = [0.1, 2]\n[der]\nx = \"-k*x\"\n\
+    [outputs]\nm = \"x +- 0.01\"\n";
+
+fn decay(k: f64, start: f64, shift: f64) -> Vec<Sample> {
+    let row = |i: usize| {
+        let t = i as f64 / 10.0;
+        let x = ((start * (-k * t).exp() + shift * f64::from(i == 13)) * 1e6).round() / 1e6;
+        (t, Some(Interval::point(x).inflate(0.01)))
+    };
+    samples(&(0..20).map(row).collect::<Vec<_>>(), &[])
+}
+
+/// Several records have start states of their own and parameters in common.
+#[test]
+fn records_share_their_parameters() {
+    let model = read("decay", DECAY);
+    let options = IdentifyOptions::default();
+    let one = run(&model, &[decay(0.7, 1.0, 0.0)], &options);
+    let two = run(
+        &model,
+        &[decay(0.7, 1.0, 0.0), decay(0.7, 1.05, 0.0)],
+        &options,
+    );
+    assert_eq!(two.starts.len(), 2);
+    assert!(two.starts[0][0].outer.contains(1.0) && two.starts[1][0].outer.contains(1.05));
+    for found in [&one, &two] {
+        assert_eq!(found.conclusion, Conclusion::Consistent);
+        assert!(found.params[0].outer.contains(0.7));
+        assert!(found.params[0].tightness() <= 1.05);
+    }
+    assert!(two.params[0].outer.width() <= 1.01 * one.params[0].outer.width());
+    // Two records that no common rate explains.
+    let apart = run(
+        &model,
+        &[decay(0.7, 1.0, 0.0), decay(0.9, 1.0, 0.0)],
+        &options,
+    );
+    assert!(matches!(apart.conclusion, Conclusion::Inconsistent(_)));
+}
+
+/// An outlier is refuted by few samples.
+#[test]
+fn an_outlier_is_refuted_by_few_samples() {
+    let model = read("decay", DECAY);
+    let found = run(
+        &model,
+        &[decay(0.7, 1.0, 0.05)],
+        &IdentifyOptions::default(),
+    );
+    let Conclusion::Inconsistent(refuted) = found.conclusion else {
+        panic!("{found:?}");
+    };
+    assert!(
+        refuted.samples.contains(&13) && refuted.samples.len() <= 4,
+        "{refuted:?}"
+    );
+    assert!(found.params[0].outer.is_empty());
+}
+
+/// The number of threads changes no bit, and an early end changes no truth.
+#[test]
+fn threads_and_interruptions() {
+    let model = read("two exponentials", TWO_EXPONENTIALS);
+    let options = |threads: usize| IdentifyOptions {
+        threads,
+        undecided: Some(0.1),
+        ..IdentifyOptions::default()
+    };
+    let one = run(&model, &[two_exponentials()], &options(1));
+    let two = run(&model, &[two_exponentials()], &options(2));
+    assert_eq!(one, two);
+    let asked = std::sync::atomic::AtomicUsize::new(0);
+    let early = identify(&model, &[two_exponentials()], &options(1), &|_| {
+        asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed) < 3
+    });
+    assert!(early.interrupted);
+    for (early, late) in early.params.iter().zip(&one.params) {
+        assert!(late.inner.unwrap().is_subset_of(early.outer), "{early:?}");
+    }
+    covers(&early.tiles, &[interval(0.0, 1.0), interval(0.0, 1.0)]);
+    let is_open = |tile: &Tile| tile.reason == Reason::Budget;
+    assert!(early.tiles.iter().any(is_open));
+}
