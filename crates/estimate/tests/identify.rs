@@ -218,7 +218,7 @@ fn the_truth_of_motors_is_never_lost() {
             sets: 24,
             ..IdentifyOptions::default()
         };
-        let found = run(&model, &[record.clone()], &options);
+        let found = run(&model, std::slice::from_ref(&record), &options);
         assert!(!matches!(found.conclusion, Conclusion::Inconsistent(_)));
         let truth = [motor.alpha, motor.beta, motor.level];
         for (bounds, truth) in found.params.iter().zip(truth) {
