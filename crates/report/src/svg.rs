@@ -77,7 +77,7 @@ pub(crate) struct Font {
 
 /// An SVG picture in the making.
 pub(crate) struct Canvas {
-    name: &'static str,
+    name: String,
     width: f64,
     defs: String,
     body: String,
@@ -89,9 +89,9 @@ const FONTS: &str = "Helvetica Neue, Helvetica, Arial, Liberation Sans, Noto San
 
 impl Canvas {
     /// An empty picture; `name` makes its ids unique among the figures put into one document.
-    pub fn new(name: &'static str, width: f64) -> Self {
+    pub fn new(name: &str, width: f64) -> Self {
         Self {
-            name,
+            name: name.to_owned(),
             width,
             defs: String::new(),
             body: String::new(),
@@ -150,13 +150,18 @@ impl Canvas {
 
     /// A fill of slanted lines on a ground, as a value for `fill`.
     pub fn hatch(&mut self, line: &str, ground: &str) -> String {
+        self.hatch_at(line, ground, (45, 4))
+    }
+
+    /// The same with lines at this angle in degrees and so far apart.
+    pub fn hatch_at(&mut self, line: &str, ground: &str, (angle, gap): (i32, i32)) -> String {
         let id = self.fresh_id();
         push(
             &mut self.defs,
             format_args!(
-                "<pattern id=\"{id}\" width=\"4\" height=\"4\" patternUnits=\"userSpaceOnUse\" \
-                 patternTransform=\"rotate(45)\"><rect width=\"4\" height=\"4\" fill=\"{ground}\"/>\
-                 <rect width=\"1.1\" height=\"4\" fill=\"{line}\"/></pattern>\n"
+                "<pattern id=\"{id}\" width=\"{gap}\" height=\"{gap}\" patternUnits=\"userSpaceOnUse\" \
+                 patternTransform=\"rotate({angle})\"><rect width=\"{gap}\" height=\"{gap}\" fill=\"{ground}\"/>\
+                 <rect width=\"1.1\" height=\"{gap}\" fill=\"{line}\"/></pattern>\n"
             ),
         );
         format!("url(#{id})")

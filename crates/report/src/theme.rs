@@ -5,6 +5,10 @@
 
 use crate::svg::Font;
 
+/// Proved to agree, proved not to, and neither.
+pub(crate) const INSIDE: &str = "#009E73";
+pub(crate) const OUTSIDE: &str = "#56B4E9";
+pub(crate) const UNDECIDED: &str = "#E69F00";
 /// Proved enclosures of outputs and states.
 pub(crate) const BLUE: &str = "#0072B2";
 /// Parameters, by position.
@@ -84,10 +88,24 @@ pub(crate) fn union() -> String {
 
 /// Style of the set at the start.
 pub(crate) fn start() -> String {
+    format!("fill=\"{INSIDE}\" fill-opacity=\"0.38\" stroke=\"{INSIDE}\" stroke-width=\"0.8\"")
+}
+
+/// Style of the undecided part of a paving: an edge keeps it visible however thin it is.
+pub(crate) fn undecided(hatch: &str) -> String {
     format!(
-        "fill=\"{0}\" fill-opacity=\"0.38\" stroke=\"{0}\" stroke-width=\"0.8\"",
-        "#009E73"
+        "fill=\"{hatch}\" stroke=\"{UNDECIDED}\" stroke-width=\"0.7\" stroke-linejoin=\"round\""
     )
+}
+
+/// Style of the edges between tiles.
+pub(crate) fn edges() -> String {
+    format!("fill=\"none\" stroke=\"{INK}\" stroke-opacity=\"0.35\" stroke-width=\"0.35\"")
+}
+
+/// Style of lines from a range to its enlargement.
+pub(crate) fn guide() -> String {
+    format!("stroke=\"{SOFT}\" stroke-width=\"0.6\"")
 }
 
 /// Style of a true trajectory.
