@@ -150,17 +150,23 @@ impl Canvas {
 
     /// A fill of slanted lines on a ground, as a value for `fill`.
     pub fn hatch(&mut self, line: &str, ground: &str) -> String {
-        self.hatch_at(line, ground, (45, 4))
+        let ground = format!("<rect width=\"4\" height=\"4\" fill=\"{ground}\"/>");
+        self.pattern(line, &ground, (45, 4))
     }
 
-    /// The same with lines at this angle in degrees and so far apart.
-    pub fn hatch_at(&mut self, line: &str, ground: &str, (angle, gap): (i32, i32)) -> String {
+    /// A fill of lines at this angle in degrees and so far apart, on nothing: what is below is seen between
+    /// them, without the seams that the tiles of a pattern leave.
+    pub fn lines(&mut self, line: &str, (angle, gap): (i32, i32)) -> String {
+        self.pattern(line, "", (angle, gap))
+    }
+
+    fn pattern(&mut self, line: &str, ground: &str, (angle, gap): (i32, i32)) -> String {
         let id = self.fresh_id();
         push(
             &mut self.defs,
             format_args!(
                 "<pattern id=\"{id}\" width=\"{gap}\" height=\"{gap}\" patternUnits=\"userSpaceOnUse\" \
-                 patternTransform=\"rotate({angle})\"><rect width=\"{gap}\" height=\"{gap}\" fill=\"{ground}\"/>\
+                 patternTransform=\"rotate({angle})\">{ground}\
                  <rect width=\"1.1\" height=\"{gap}\" fill=\"{line}\"/></pattern>\n"
             ),
         );
@@ -198,6 +204,11 @@ impl Canvas {
                 format_args!("<path d=\"{data}\" {style}/>\n"),
             );
         }
+    }
+
+    /// A path in several styles, one over the other.
+    pub fn layers(&mut self, data: &str, styles: &[String]) {
+        styles.iter().for_each(|style| self.path(data, style));
     }
 
     /// A text on one line, with its baseline at the position.

@@ -3,7 +3,7 @@
 //! The colours are those of Okabe and Ito, which people with any common colour blindness tell
 //! apart; their order below alternates light and dark, so that neighbours differ in grey print.
 
-use crate::svg::Font;
+use crate::svg::{Canvas, Font};
 
 /// Proved to agree, proved not to, and neither.
 pub(crate) const INSIDE: &str = "#009E73";
@@ -91,11 +91,27 @@ pub(crate) fn start() -> String {
     format!("fill=\"{INSIDE}\" fill-opacity=\"0.38\" stroke=\"{INSIDE}\" stroke-width=\"0.8\"")
 }
 
-/// Style of the undecided part of a paving: an edge keeps it visible however thin it is.
-pub(crate) fn undecided(hatch: &str) -> String {
-    format!(
-        "fill=\"{hatch}\" stroke=\"{UNDECIDED}\" stroke-width=\"0.7\" stroke-linejoin=\"round\""
-    )
+/// Styles of what is proved inside, one over the other: colour, and lines that stay apart from the others in
+/// grey print.
+pub(crate) fn inside(canvas: &mut Canvas) -> [String; 2] {
+    let lines = canvas.lines("#00604A", (-45, 6));
+    [format!("fill=\"{INSIDE}\""), format!("fill=\"{lines}\"")]
+}
+
+/// Styles of what is proved outside.
+pub(crate) fn outside(canvas: &mut Canvas) -> [String; 2] {
+    let lines = canvas.lines(OUTSIDE, (45, 5));
+    ["fill=\"#E3F2FB\"".to_owned(), format!("fill=\"{lines}\"")]
+}
+
+/// Styles of what is undecided: an edge keeps it visible however thin it is.
+pub(crate) fn undecided(canvas: &mut Canvas) -> [String; 2] {
+    let lines = canvas.lines("#FFD98A", (0, 3));
+    let edge = format!("stroke=\"{UNDECIDED}\" stroke-width=\"0.7\" stroke-linejoin=\"round\"");
+    [
+        format!("fill=\"{UNDECIDED}\" {edge}"),
+        format!("fill=\"{lines}\""),
+    ]
 }
 
 /// Style of the edges between tiles.

@@ -26,12 +26,11 @@ impl Identification {
     /// Of every parameter the prior, what holds all values, and what is reached.
     pub(crate) fn draw_bounds(&self) -> String {
         let mut canvas = Canvas::new("bounds", theme::WIDTH);
-        let hatch = canvas.hatch_at("#00745A", theme::INSIDE, (-45, 5));
-        let inner = format!("fill=\"{hatch}\"");
+        let inner = theme::inside(&mut canvas);
         let right = theme::WIDTH - 24.0;
         let mut entries = vec![
             Entry::area(theme::band(theme::BLUE), "outer: proved to hold all values"),
-            Entry::area(inner.clone(), "inner: proved to be reached"),
+            Entry::layers(&inner, "inner: proved to be reached"),
         ];
         let is_bounded =
             |param: &ProvedParameter| param.prior.0.is_finite() || param.prior.1.is_finite();
@@ -51,7 +50,7 @@ fn draw(
     canvas: &mut Canvas,
     param: &ProvedParameter,
     (top, right): (f64, f64),
-    inner: &str,
+    inner: &[String],
 ) -> f64 {
     let left = 24.0;
     let mut y = top + HEADING;
@@ -88,7 +87,7 @@ fn draw(
     canvas.path(&outer.unwrap_or_default(), &theme::band(theme::BLUE));
     if let Some(bounds) = param.inner {
         match narrow(&panel, bounds, 0.28 * HEIGHT) {
-            Some(data) => canvas.path(&data, inner),
+            Some(data) => canvas.layers(&data, inner),
             // Too narrow for the picture: a mark where it is.
             None => {
                 let x = panel.px(bounds.0 / 2.0 + bounds.1 / 2.0);

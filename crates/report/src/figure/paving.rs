@@ -29,22 +29,9 @@ struct Flat {
 /// The styles of the three kinds: colours that colour-blind people tell apart, and hatches that stay apart in
 /// grey print.
 struct Styles {
-    inside: String,
-    outside: String,
-    undecided: String,
-}
-
-impl Styles {
-    fn new(canvas: &mut Canvas) -> Styles {
-        let inside = canvas.hatch_at("#00745A", theme::INSIDE, (-45, 7));
-        let outside = canvas.hatch_at(theme::OUTSIDE, "#E3F2FB", (45, 5));
-        let undecided = canvas.hatch_at("#FFD98A", theme::UNDECIDED, (0, 3));
-        Styles {
-            inside: format!("fill=\"{inside}\""),
-            outside: format!("fill=\"{outside}\""),
-            undecided: theme::undecided(&undecided),
-        }
-    }
+    inside: [String; 2],
+    outside: [String; 2],
+    undecided: [String; 2],
 }
 
 impl Identification {
@@ -85,7 +72,11 @@ impl Identification {
         };
         let [inside, undecided] = [TileStatus::Inside, TileStatus::Undecided].map(shadows);
 
-        let styles = Styles::new(&mut canvas);
+        let styles = Styles {
+            inside: theme::inside(&mut canvas),
+            outside: theme::outside(&mut canvas),
+            undecided: theme::undecided(&mut canvas),
+        };
         let entries = self.entries(&styles, whole);
         let right = theme::WIDTH - 12.0;
         let top = 4.0 + HEADING + legend::draw(&mut canvas, &entries, (2.0, right), 4.0);
@@ -118,10 +109,10 @@ impl Identification {
             x: first.prior,
             y: second.prior,
         };
-        canvas.path(&rectangles(&panel, [prior]), &styles.outside);
-        canvas.path(&rectangles(&panel, inside.iter().copied()), &styles.inside);
+        canvas.layers(&rectangles(&panel, [prior]), &styles.outside);
+        canvas.layers(&rectangles(&panel, inside.iter().copied()), &styles.inside);
         let open = without(&undecided, &inside);
-        canvas.path(&rectangles(&panel, open), &styles.undecided);
+        canvas.layers(&rectangles(&panel, open), &styles.undecided);
         if whole && self.tiles.len() <= EDGED {
             let all = [inside, undecided, shadows(TileStatus::Outside)].concat();
             canvas.path(&rectangles(&panel, all), &theme::edges());
@@ -146,9 +137,9 @@ impl Identification {
             "inside: agree, with some values of the others"
         };
         vec![
-            Entry::area(styles.inside.clone(), inside),
-            Entry::area(styles.undecided.clone(), "undecided"),
-            Entry::area(styles.outside.clone(), "outside: none agrees"),
+            Entry::layers(&styles.inside, inside),
+            Entry::layers(&styles.undecided, "undecided"),
+            Entry::layers(&styles.outside, "outside: none agrees"),
             Entry::line(theme::prior(), "prior"),
         ]
     }
