@@ -15,6 +15,9 @@ use serde_json::Value;
 use std::fs;
 use support::{CART, Place, Ran, bounds, cart_record, rig};
 
+/// Two ranges.
+type Tile = ((f64, f64), (f64, f64));
+
 /// Runs `identify m.toml r.csv -o out --figures none` with more words.
 fn identify(place: &Place, more: &str) -> Ran {
     let mut words = vec!["identify", "m.toml", "r.csv", "-o", "out"];
@@ -163,14 +166,14 @@ fn a_paving_covers_the_prior() {
         .map(|line| line.split(',').nth(4).unwrap().to_owned())
         .collect();
     let tiles: Vec<_> = c.into_iter().zip(k).zip(statuses).collect();
-    let area = |((c, k), _): &(((f64, f64), (f64, f64)), String)| (c.1 - c.0) * (k.1 - k.0);
+    let area = |((c, k), _): &(Tile, String)| (c.1 - c.0) * (k.1 - k.0);
     let whole: f64 = tiles.iter().map(area).sum();
     assert!((whole - 4.0).abs() < 1e-9, "{whole}");
     let agrees = |c: f64, k: f64| [0.0, 0.4].map(|t: f64| (c + (k - 2.0) * t).abs() <= 0.1);
     for i in 0..60 {
         for j in 0..60 {
             let (at_c, at_k) = (-0.497 + f64::from(i) / 61.0, 0.011 + f64::from(j) / 15.3);
-            let holds = |((c, k), _): &&(((f64, f64), (f64, f64)), String)| {
+            let holds = |((c, k), _): &&(Tile, String)| {
                 c.0 <= at_c && at_c <= c.1 && k.0 <= at_k && at_k <= k.1
             };
             let mut found = tiles.iter().filter(holds).peekable();

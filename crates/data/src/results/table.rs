@@ -232,6 +232,7 @@ impl TableWriter {
             ));
         }
         for (cell, prior) in cells.iter().zip(&self.priors) {
+            let is_exact = matches!(cell, Cell::Exact(_));
             match *cell {
                 Cell::Bounds(bounds) | Cell::Exact(bounds) if bounds.is_empty() => {
                     self.line.push(',');
@@ -242,19 +243,16 @@ impl TableWriter {
                             .as_ref()
                             .filter(|(prior, _)| end(*prior) == end(bounds))
                     };
-                    let (lower, upper): (fn(Interval) -> String, fn(Interval) -> String) =
-                        match cell {
-                            Cell::Exact(_) => (|x| text::exact(x.lo()), |x| text::exact(x.hi())),
-                            _ => (outward::lower, outward::upper),
-                        };
                     match untouched(Interval::lo) {
                         Some((_, (lo, _))) => self.line.push_str(lo),
-                        None => self.line.push_str(&lower(bounds)),
+                        None if is_exact => self.line.push_str(&text::exact(bounds.lo())),
+                        None => self.line.push_str(&outward::lower(bounds)),
                     }
                     self.line.push(',');
                     match untouched(Interval::hi) {
                         Some((_, (_, hi))) => self.line.push_str(hi),
-                        None => self.line.push_str(&upper(bounds)),
+                        None if is_exact => self.line.push_str(&text::exact(bounds.hi())),
+                        None => self.line.push_str(&outward::upper(bounds)),
                     }
                 }
                 Cell::Count(count) => {

@@ -77,18 +77,28 @@ impl Identification {
             outside: theme::outside(&mut canvas),
             undecided: theme::undecided(&mut canvas),
         };
-        let entries = self.entries(&styles, whole);
+        let prior = Flat {
+            x: first.prior,
+            y: second.prior,
+        };
+        let left_over = || inside.iter().chain(&undecided);
+        let shown = Flat {
+            x: view(left_over().map(|flat| flat.x), prior.x),
+            y: view(left_over().map(|flat| flat.y), prior.y),
+        };
+        let mut entries = styles.entries(whole);
+        if prior.has_edge_in(shown) {
+            entries.push(Entry::line(theme::prior(), "prior"));
+        }
         let right = theme::WIDTH - 12.0;
         let top = 4.0 + HEADING + legend::draw(&mut canvas, &entries, (2.0, right), 4.0);
-        let left_over = || inside.iter().chain(&undecided);
-        let room = |length, spacing, font| Room {
-            length,
-            spacing,
-            font,
-        };
         let size = theme::SMALL.size;
-        let (lo, hi) = view(left_over().map(|flat| flat.y), second.prior);
-        let value = Axis::linear(lo, hi, room(HEIGHT, 2.5 * size, 0.0));
+        let value = Room {
+            length: HEIGHT,
+            spacing: 2.5 * size,
+            font: 0.0,
+        };
+        let value = Axis::linear(shown.y.0, shown.y.1, value);
         let left = left_margin(value.label_width(size));
         let area = Rect {
             x: left,
@@ -96,19 +106,19 @@ impl Identification {
             w: right - left,
             h: HEIGHT,
         };
-        let (lo, hi) = view(left_over().map(|flat| flat.x), first.prior);
+        let across = Room {
+            length: area.w,
+            spacing: 5.0 * size,
+            font: size,
+        };
         let panel = Panel {
             area,
-            time: Axis::linear(lo, hi, room(area.w, 5.0 * size, size)),
+            time: Axis::linear(shown.x.0, shown.x.1, across),
             value,
             bucket: super::BUCKET,
         };
         panel.grid(&mut canvas);
         canvas.open_clip(area);
-        let prior = Flat {
-            x: first.prior,
-            y: second.prior,
-        };
         canvas.layers(&rectangles(&panel, [prior]), &styles.outside);
         canvas.layers(&rectangles(&panel, inside.iter().copied()), &styles.inside);
         let open = without(&undecided, &inside);
@@ -129,19 +139,30 @@ impl Identification {
         let what = titled(&self.title, &format!("what the record leaves of {what}"));
         canvas.finish(area.bottom() + FOOT, &what)
     }
+}
 
-    fn entries(&self, styles: &Styles, whole: bool) -> Vec<Entry> {
+impl Styles {
+    fn entries(&self, whole: bool) -> Vec<Entry> {
         let inside = if whole {
             "inside: all agree with the record"
         } else {
             "inside: agree, with some values of the others"
         };
         vec![
-            Entry::layers(&styles.inside, inside),
-            Entry::layers(&styles.undecided, "undecided"),
-            Entry::layers(&styles.outside, "outside: none agrees"),
-            Entry::line(theme::prior(), "prior"),
+            Entry::layers(&self.inside, inside),
+            Entry::layers(&self.undecided, "undecided"),
+            Entry::layers(&self.outside, "outside: none agrees"),
         ]
+    }
+}
+
+impl Flat {
+    /// Whether an end of one of the ranges lies in that of the other rectangle.
+    fn has_edge_in(self, shown: Flat) -> bool {
+        let seen = |of: (f64, f64), (lo, hi): (f64, f64)| {
+            [of.0, of.1].iter().any(|end| (lo..=hi).contains(end))
+        };
+        seen(self.x, shown.x) || seen(self.y, shown.y)
     }
 }
 
