@@ -116,7 +116,7 @@ impl Column {
         first.chain(starts).chain(params).chain(ends).collect()
     }
 
-    /// The columns of `points.csv`: number of the point, and every parameter.
+    /// The columns of `points.csv`: number of the point, and bounds of every parameter of it.
     pub fn of_points(model: &Model) -> Vec<Column> {
         let params = model.params.iter();
         let params = params.map(|param| Column::Bounds(param.name.clone()));

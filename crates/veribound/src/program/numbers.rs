@@ -39,6 +39,12 @@ pub fn show_reached(inner: Option<Interval>) -> String {
     }
 }
 
+/// `1 sample`, `2 samples`.
+pub fn counted(number: usize, one: &str, many: &str) -> String {
+    let what = if number == 1 { one } else { many };
+    format!("{number} {what}")
+}
+
 /// How many times wider than possible bounds are at most; nothing where that is not known.
 pub fn show_times(tightness: f64) -> String {
     if tightness.is_finite() {

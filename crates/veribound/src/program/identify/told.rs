@@ -1,6 +1,6 @@
 //! What the user is told of an identification.
 
-use super::super::numbers::{show_inside, show_prior, show_reached, show_times};
+use super::super::numbers::{counted, show_inside, show_prior, show_reached, show_times};
 use super::super::table::{Part, push_parts};
 use super::verdict::{in_words, refuted_by};
 use super::{Data, Findings};
@@ -146,11 +146,11 @@ pub fn table(
     // Writing to a String cannot fail.
     let _ = writeln!(
         out,
-        "  {verdict}   {} samples{records} in {:.2} s   {} sets, {} passes",
-        data.count(),
+        "  {verdict}   {}{records} in {:.2} s   {}, {}",
+        counted(data.count(), "sample", "samples"),
         found.seconds,
-        identified.sets,
-        identified.passes
+        counted(identified.sets, "set", "sets"),
+        counted(identified.passes, "pass", "passes"),
     );
     match &identified.conclusion {
         Conclusion::Inconsistent(refuted) => {
@@ -170,8 +170,8 @@ pub fn table(
         let [inside, undecided] = shares(model, found);
         let _ = writeln!(
             out,
-            "  paving: {} tiles   inside at least {} %, undecided at most {} % of the outer box",
-            identified.tiles.len(),
+            "  paving: {}   inside at least {} %, undecided at most {} % of the outer box",
+            counted(identified.tiles.len(), "tile", "tiles"),
             lower(100.0 * inside.lo().max(0.0), 3),
             upper(100.0 * undecided.hi(), 3),
         );

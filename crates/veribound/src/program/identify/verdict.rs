@@ -2,6 +2,7 @@
 
 use super::super::ending::Ending;
 use super::super::message::{complain, remark};
+use super::super::numbers::counted;
 use super::super::verdict::{NOTHING_EXPLAINS, at_line};
 use super::{Data, Findings};
 use veribound_data::Verdict;
@@ -20,10 +21,8 @@ pub fn in_words(found: &Findings) -> (Verdict, Option<String>) {
 
 /// What stood in the way of a proof.
 fn why_undecided(found: &Findings) -> String {
-    let sets = match found.identified.sets {
-        1 => "1 set was looked at".to_owned(),
-        sets => format!("{sets} sets were looked at"),
-    };
+    let sets = found.identified.sets;
+    let sets = counted(sets, "set was looked at", "sets were looked at");
     if found.identified.interrupted {
         format!("interrupted after {sets}")
     } else if found.identified.limits.contains(&Limit::Enclosure) {
