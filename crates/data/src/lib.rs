@@ -4,15 +4,17 @@
 //!   a time; every number means the decimal it spells.
 //! - [`TableReader`]: any table of text, row by row, by the same rules.
 //! - [`ResultFolder`]: where the files of a run go; the results are those of one run, all or none.
-//! - [`TableWriter`]: `states.csv`, `params.csv`, `boxes.csv`, and `tube.csv`, `parts.csv` of an enclosure;
-//!   [`Summary`], [`EnclosureSummary`]: `summary.json`; [`RunInfo`]: `run.toml`.
+//! - [`TableWriter`]: `states.csv`, `params.csv`, `boxes.csv`; `tube.csv`, `parts.csv` of an enclosure;
+//!   `points.csv`, `paving.csv` of an identification.
+//! - [`Summary`], [`EnclosureSummary`], [`IdentifiedSummary`]: `summary.json`; [`RunInfo`]: `run.toml`.
 //! - [`Start`]: the parameters of an earlier run, to go on from.
 //!
-//! *Guarantee*: intervals are printed rounded outward, so that what is printed contains what was
-//! proved.
+//! *Guarantee*: intervals that hold all values are printed rounded outward, so that what is printed
+//! contains what was proved; those that are proved to be reached are printed rounded inward.
 
 mod digest;
 mod failure;
+mod inward;
 mod outward;
 mod reader;
 mod record;
@@ -25,6 +27,10 @@ pub use results::enclosed::{
     EnclosureSummary, EnclosureWork, PastUse, RangeSummary, Reach, Time, Trajectories,
 };
 pub use results::folder::{CompleteFile, ResultFile, ResultFolder};
+pub use results::identified::{
+    IdentifiedParameter, IdentifiedStart, IdentifiedState, IdentifiedSummary, IdentifiedWork,
+    Paving, RefutedTogether,
+};
 pub use results::run_info::{FileInfo, Platform, Program, RecordInfo, RunInfo};
 pub use results::start::Start;
 pub use results::summary::{

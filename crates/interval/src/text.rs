@@ -53,6 +53,57 @@ pub fn readable(bounds: Interval) -> (String, String) {
         .unwrap_or_else(|| ends(MOST_DIGITS))
 }
 
+/// Both ends for people, rounded inward: of what is proved to be reached, as [`readable`] is of what is
+/// proved to hold all. As few digits (3 to 15) as narrow the interval by at most 2 %.
+///
+/// *Guarantee*: the interval of the real numbers spelled lies inside `bounds`, and the first is not above
+/// the second. Where 15 digits narrow it by more, these are given; `None` where no decimals of 15 digits
+/// lie inside.
+///
+/// ```
+/// use veribound_interval::{Interval, text};
+/// let bounds = Interval::new(199.99121, 200.01509).unwrap();
+/// assert_eq!(text::readable_inside(bounds), Some(("199.9913".to_string(), "200.015".to_string())));
+/// ```
+pub fn readable_inside(bounds: Interval) -> Option<(String, String)> {
+    let mut widest = None;
+    for digits in 3..=MOST_DIGITS {
+        let (lo, hi) = (upper(bounds.lo(), digits), lower(bounds.hi(), digits));
+        let ends = Decimal::parse(&lo).ok().zip(Decimal::parse(&hi).ok());
+        let Some((from, to)) = ends.filter(|(from, to)| from <= to) else {
+            continue;
+        };
+        widest = Some((lo, hi));
+        if (&to - &from).to_interval().lo() * 1.02 >= bounds.width() {
+            break;
+        }
+    }
+    widest
+}
+
+/// The decimal that is exactly the float `x`; `-inf`, `inf` and `nan` as by [`lower`].
+///
+/// *Cost*: a float near 1 may need 53 digits, a tiny one some hundreds.
+///
+/// ```
+/// assert_eq!(veribound_interval::text::exact(-3.025), "-3.024999999999999911182158029987476766109466552734375");
+/// ```
+pub fn exact(x: f64) -> String {
+    if x == 0.0 || !x.is_finite() {
+        return directed(x, 1, false);
+    }
+    let (m, e) = binary(x.abs());
+    let zeros = m.trailing_zeros();
+    let (m, e) = (m >> zeros, e + i64::from(zeros));
+    // m 2^e = m 5^-e 10^e.
+    let (digits, exponent) = if e < 0 {
+        (BigUint::from(5_u32).pow(e.unsigned_abs() as u32) * m, e)
+    } else {
+        (BigUint::from(m) << e as u64, 0)
+    };
+    spell(x < 0.0, &digits.to_str_radix(10), exponent)
+}
+
 /// The ends of the interval that a user wrote as two decimals and that was read as `read`.
 ///
 /// `[-6, -0.05]` is held as floats a little outside; printing these outward would show
@@ -128,14 +179,7 @@ fn directed(x: f64, digits: usize, up: bool) -> String {
 /// corrected until the cut quotient has `count` digits, so the guess needs no guarantee. A carry to
 /// `10^count` is a valid spelling (the zeros are dropped later).
 fn magnitude(x: f64, count: i64, away: bool) -> (String, i64) {
-    let bits = x.to_bits();
-    let biased = (bits >> 52) as i64;
-    let fraction = bits & ((1 << 52) - 1);
-    let (m, e) = if biased == 0 {
-        (fraction, -1074)
-    } else {
-        (fraction | (1 << 52), biased - 1075)
-    };
+    let (m, e) = binary(x);
     let mut k = ((e + 64 - i64::from(m.leading_zeros()) - 1) as f64 * std::f64::consts::LOG10_2)
         .floor() as i64;
     loop {
@@ -158,6 +202,18 @@ fn magnitude(x: f64, count: i64, away: bool) -> (String, i64) {
             }
             std::cmp::Ordering::Equal => return (digits, -scale),
         }
+    }
+}
+
+/// `m` and `e` with `x = m 2^e`, of a float from 0 on.
+fn binary(x: f64) -> (u64, i64) {
+    let bits = x.to_bits();
+    let biased = (bits >> 52) as i64;
+    let fraction = bits & ((1 << 52) - 1);
+    if biased == 0 {
+        (fraction, -1074)
+    } else {
+        (fraction | (1 << 52), biased - 1075)
     }
 }
 
@@ -286,5 +342,58 @@ mod tests {
                 "{lo} {hi}"
             );
         }
+    }
+
+    #[test]
+    fn readable_ends_inside_stay_inside_and_hardly_narrow() {
+        let decimal = |text: &str| Decimal::parse(text).unwrap();
+        let exactly = |x: f64| decimal(&exact(x));
+        let mut state = 1_u64;
+        for case in 0..20_000_u32 {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            let mid = (state >> 11) as f64 / (1_u64 << 50) as f64 - 4.0;
+            let width = 10_f64.powi(-((case % 18) as i32));
+            let x = Interval::new(mid, mid + width).unwrap();
+            let Some((lo, hi)) = readable_inside(x) else {
+                assert!(case % 18 > 12, "nothing of {mid} + {width}");
+                continue;
+            };
+            let (lo, hi) = (decimal(&lo), decimal(&hi));
+            assert!(exactly(x.lo()) <= lo && lo <= hi && hi <= exactly(x.hi()));
+            let shown = (&hi - &lo).to_interval().hi();
+            assert!(case % 18 > 11 || shown * 1.021 >= x.width(), "{lo} {hi}");
+        }
+    }
+
+    #[test]
+    fn what_is_reached_at_one_point() {
+        let of = |lo, hi| readable_inside(Interval::new(lo, hi).unwrap());
+        assert_eq!(of(0.5, 0.5), Some(("0.5".to_owned(), "0.5".to_owned())));
+        assert_eq!(of(0.1, 0.1), None);
+        assert_eq!(of(0.0, 0.25), Some(("0".to_owned(), "0.25".to_owned())));
+        assert_eq!(readable_inside(Interval::ENTIRE), None);
+    }
+
+    #[test]
+    fn an_exact_decimal_is_read_as_its_float_and_nothing_is_between() {
+        let mut state = 3_u64;
+        let odd = [5e-324, f64::MAX, f64::MIN_POSITIVE, 0.1, 1e22, 1e23, 0.0];
+        let random = std::iter::repeat_with(|| {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1);
+            f64::from_bits(state)
+        });
+        let finite = random.filter(|x| x.is_finite()).take(300);
+        for x in odd.into_iter().chain(finite) {
+            let text = exact(x);
+            assert_eq!(text.parse::<f64>(), Ok(x), "{text}");
+            let read = Decimal::parse(&text).unwrap().to_interval();
+            assert_eq!((read.lo(), read.hi()), (x, x), "{text}");
+        }
+        assert_eq!(exact(f64::NEG_INFINITY), "-inf");
+        assert_eq!(exact(-1024.0), "-1024");
     }
 }

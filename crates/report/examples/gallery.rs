@@ -1,11 +1,14 @@
-//! Draws all figures of an invented run of the drive-train rig, of a run with uncertain input, and
-//! of odd cases, into the folder given (default `target/gallery`): for looking at them.
+//! Draws all figures of an invented run of the drive-train rig, of a run with uncertain input, of what an
+//! identification might leave, and of odd cases, into the folder given (default `target/gallery`): for looking at them.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-use veribound_report::{FigureMeta, History, Parameter, Quantity, SampleRow, Zoom, png};
+use veribound_report::{
+    Figure, FigureMeta, History, Identification, Parameter, PavingTile, ProvedParameter, Quantity,
+    SampleRow, TileStatus, Zoom, png,
+};
 
 /// The angle in rad that a rig under a slow stop-and-go profile might have: 0 to 160 rad in 80 s.
 fn angle(t: f64) -> f64 {
@@ -165,12 +168,94 @@ fn odd() -> Result<History, Box<dyn Error>> {
     Ok(history)
 }
 
+/// A needle of parameters, `|x / s| <= 1` in skewed coordinates, paved by bisection of the prior.
+#[allow(clippy::indexing_slicing, reason = "there are three of each")]
+fn identified() -> Identification {
+    let middle = [-2.0, 200.0, 0.15];
+    let size = [1e-4, 1e-2, 1.3e-6];
+    // In multiples of the sizes: x + y, x - y + z, z.
+    let forms = [[1.0, 0.96, 0.0], [0.05, -0.04, 0.2], [0.0, 0.3, 1.0]];
+    let bounds = [0.2, 0.25, 1.0];
+    let half: Vec<f64> = [1.1, 1.1, 1.3]
+        .iter()
+        .zip(size)
+        .map(|(k, s)| k * s)
+        .collect();
+    let outer = |i: usize| (middle[i] - half[i] * 1.02, middle[i] + half[i] * 1.02);
+    let param = |i: usize, name: &str, unit: &str, prior: (f64, f64)| ProvedParameter {
+        quantity: Quantity::new(name, unit),
+        prior,
+        outer: Some(outer(i)),
+        inner: Some((middle[i] - half[i], middle[i] + half[i])),
+        tightness: 1.0201,
+    };
+    let params = vec![
+        param(0, "alpha", "1/s", (-6.0, -0.05)),
+        param(1, "beta", "1/(kg*m^2)", (1.0, 400.0)),
+        param(2, "T_Fs", "N*m", (0.0, 0.3)),
+    ];
+    let mut tiles = Vec::new();
+    let mut push = |params: &[(f64, f64)], status| {
+        tiles.push(PavingTile {
+            params: params.to_vec(),
+            status,
+        });
+    };
+    // The outer box first, then what is beside it, side by side.
+    let mut around: Vec<(f64, f64)> = params.iter().map(|param| param.prior).collect();
+    for i in 0..3 {
+        let (lo, hi) = outer(i);
+        let (first, last) = around[i];
+        for side in [(first, lo), (hi, last)] {
+            around[i] = side;
+            push(&around, TileStatus::Outside);
+        }
+        around[i] = (lo, hi);
+    }
+    let mut waiting = vec![(around, 0)];
+    while let Some((tile, depth)) = waiting.pop() {
+        let (mut inside, mut outside) = (true, false);
+        for (form, bound) in forms.iter().zip(bounds) {
+            let (mut lo, mut hi) = (0.0, 0.0);
+            for (k, weight) in form.iter().enumerate() {
+                let ends = [tile[k].0, tile[k].1].map(|x| weight * (x - middle[k]) / size[k]);
+                lo += ends[0].min(ends[1]);
+                hi += ends[0].max(ends[1]);
+            }
+            inside &= -bound <= lo && hi <= bound;
+            outside |= hi < -bound || bound < lo;
+        }
+        match (inside, outside) {
+            (true, _) => push(&tile, TileStatus::Inside),
+            (_, true) => push(&tile, TileStatus::Outside),
+            _ if depth == 15 => push(&tile, TileStatus::Undecided),
+            _ => {
+                let (lo, hi) = tile[depth % 3];
+                for half in [(lo, lo / 2.0 + hi / 2.0), (lo / 2.0 + hi / 2.0, hi)] {
+                    let mut part = tile.clone();
+                    part[depth % 3] = half;
+                    waiting.push((part, depth + 1));
+                }
+            }
+        }
+    }
+    Identification {
+        title: "Drive-train rig".to_owned(),
+        params,
+        tiles,
+    }
+}
+
 fn write(folder: &Path, history: &History, other: Option<&History>) -> Result<(), Box<dyn Error>> {
-    fs::create_dir_all(folder)?;
     let figures = match other {
         Some(other) => history.render_compared(other),
         None => history.render_all(),
     };
+    write_figures(folder, figures)
+}
+
+fn write_figures(folder: &Path, figures: Vec<Figure>) -> Result<(), Box<dyn Error>> {
+    fs::create_dir_all(folder)?;
     for figure in figures {
         fs::write(folder.join(format!("{}.svg", figure.name)), &figure.svg)?;
         fs::write(
@@ -192,6 +277,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         &exact,
         Some(&rig("with 10 % input uncertainty", 2.2)?),
     )?;
+    write_figures(&folder.join("identified"), identified().render_all())?;
     write(&folder.join("odd"), &odd()?, None)?;
     write(&folder.join("empty"), &History::new(meta("empty")), None)?;
     Ok(())

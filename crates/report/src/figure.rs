@@ -1,8 +1,10 @@
 //! The figures of a run, each in a file of its own, and the layout they share.
 
 mod bands;
+mod bounds;
 mod modes;
 mod outputs;
+mod paving;
 mod plane;
 mod tube;
 mod work;
@@ -18,8 +20,8 @@ use crate::theme;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     /// Name of the figure, and of its files without their ending: `outputs`, `params`, `states`,
-    /// `modes`, `work`, `plane`.
-    pub name: &'static str,
+    /// `modes`, `work`, `plane`, `bounds`, `paving_A_B` of the parameters A and B.
+    pub name: String,
     /// The picture as SVG text; `png` makes a PNG of it.
     pub svg: String,
 }
@@ -55,7 +57,10 @@ impl History {
         wanted
             .into_iter()
             .flatten()
-            .map(|(name, svg)| Figure { name, svg })
+            .map(|(name, svg)| Figure {
+                name: name.to_owned(),
+                svg,
+            })
             .collect()
     }
 
@@ -68,11 +73,16 @@ impl History {
     }
 
     fn title(&self, what: &str) -> String {
-        if self.meta.title.is_empty() {
-            what.to_owned()
-        } else {
-            format!("{}: {what}", self.meta.title)
-        }
+        titled(&self.meta.title, what)
+    }
+}
+
+/// What a figure shows, of the run with this title.
+fn titled(run: &str, what: &str) -> String {
+    if run.is_empty() {
+        what.to_owned()
+    } else {
+        format!("{run}: {what}")
     }
 }
 

@@ -7,6 +7,8 @@ use crate::theme;
 pub(crate) enum Swatch {
     /// A small area in one or more styles side by side.
     Area(Vec<String>),
+    /// A small area with one style over the other.
+    Layers(Vec<String>),
     /// A horizontal line.
     Line(String),
     /// A short vertical tick.
@@ -23,6 +25,13 @@ impl Entry {
     pub fn area(style: String, text: impl Into<String>) -> Self {
         Self {
             swatch: Swatch::Area(vec![style]),
+            text: text.into(),
+        }
+    }
+
+    pub fn layers(styles: &[String], text: impl Into<String>) -> Self {
+        Self {
+            swatch: Swatch::Layers(styles.to_vec()),
             text: text.into(),
         }
     }
@@ -51,20 +60,22 @@ pub(crate) fn draw(canvas: &mut Canvas, entries: &[Entry], edges: (f64, f64), to
             y += ROW;
         }
         let middle = y + ROW / 2.0;
+        let area = |x: f64, w: f64| Rect {
+            x,
+            y: middle - 4.5,
+            w,
+            h: 9.0,
+        };
         match &entry.swatch {
             Swatch::Area(styles) => {
                 let part = SWATCH / styles.len().max(1) as f64;
                 for (k, style) in styles.iter().enumerate() {
-                    let at = x + part * k as f64;
-                    canvas.rect(
-                        Rect {
-                            x: at,
-                            y: middle - 4.5,
-                            w: part,
-                            h: 9.0,
-                        },
-                        style,
-                    );
+                    canvas.rect(area(x + part * k as f64, part), style);
+                }
+            }
+            Swatch::Layers(styles) => {
+                for style in styles {
+                    canvas.rect(area(x, SWATCH), style);
                 }
             }
             Swatch::Line(style) => canvas.line((x, middle), (x + SWATCH, middle), style),

@@ -1,7 +1,8 @@
 //! Figures of a run, as SVG and PNG: outputs with an enlarged stretch, parameters, states, modes
 //! and work over time.
 //!
-//! A [`Tube`] does the same for an enclosure without a record: bounds at all times, and the phase plane.
+//! A [`Tube`] does the same for an enclosure without a record: bounds at all times, and the phase plane. An
+//! [`Identification`] shows what whole records leave of the parameters: bounds from both sides, and pavings.
 //!
 //! A [`History`] is fed sample by sample and stays small however long the record is; it draws all
 //! [`Figure`]s, and [`png`] turns any of them into pixels. No band is ever drawn narrower than the
@@ -27,7 +28,7 @@
 //!     })?;
 //! }
 //! let figures = history.render_all();
-//! assert_eq!(figures.iter().map(|f| f.name).collect::<Vec<_>>(), ["outputs", "work"]);
+//! assert_eq!(figures.iter().map(|f| &f.name).collect::<Vec<_>>(), ["outputs", "work"]);
 //! assert!(png(&figures[0].svg)?.starts_with(b"\x89PNG"));
 //! # Ok::<(), veribound_report::ReportError>(())
 //! ```
@@ -36,6 +37,7 @@ mod axis;
 mod error;
 mod figure;
 mod history;
+mod identification;
 mod legend;
 mod meta;
 mod panel;
@@ -51,6 +53,7 @@ mod zoom;
 pub use error::ReportError;
 pub use figure::Figure;
 pub use history::{History, SampleRow};
+pub use identification::{Identification, PavingTile, ProvedParameter, TileStatus};
 pub use meta::{FigureMeta, Parameter, Quantity, Zoom};
 pub use png::png;
 pub use tube::{Tube, TubeRow};

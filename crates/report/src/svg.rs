@@ -77,7 +77,7 @@ pub(crate) struct Font {
 
 /// An SVG picture in the making.
 pub(crate) struct Canvas {
-    name: &'static str,
+    name: String,
     width: f64,
     defs: String,
     body: String,
@@ -89,9 +89,9 @@ const FONTS: &str = "Helvetica Neue, Helvetica, Arial, Liberation Sans, Noto San
 
 impl Canvas {
     /// An empty picture; `name` makes its ids unique among the figures put into one document.
-    pub fn new(name: &'static str, width: f64) -> Self {
+    pub fn new(name: &str, width: f64) -> Self {
         Self {
-            name,
+            name: name.to_owned(),
             width,
             defs: String::new(),
             body: String::new(),
@@ -150,13 +150,24 @@ impl Canvas {
 
     /// A fill of slanted lines on a ground, as a value for `fill`.
     pub fn hatch(&mut self, line: &str, ground: &str) -> String {
+        let ground = format!("<rect width=\"4\" height=\"4\" fill=\"{ground}\"/>");
+        self.pattern(line, &ground, (45, 4))
+    }
+
+    /// A fill of lines at this angle in degrees and so far apart, on nothing: what is below is seen between
+    /// them, without the seams that the tiles of a pattern leave.
+    pub fn lines(&mut self, line: &str, (angle, gap): (i32, i32)) -> String {
+        self.pattern(line, "", (angle, gap))
+    }
+
+    fn pattern(&mut self, line: &str, ground: &str, (angle, gap): (i32, i32)) -> String {
         let id = self.fresh_id();
         push(
             &mut self.defs,
             format_args!(
-                "<pattern id=\"{id}\" width=\"4\" height=\"4\" patternUnits=\"userSpaceOnUse\" \
-                 patternTransform=\"rotate(45)\"><rect width=\"4\" height=\"4\" fill=\"{ground}\"/>\
-                 <rect width=\"1.1\" height=\"4\" fill=\"{line}\"/></pattern>\n"
+                "<pattern id=\"{id}\" width=\"{gap}\" height=\"{gap}\" patternUnits=\"userSpaceOnUse\" \
+                 patternTransform=\"rotate({angle})\">{ground}\
+                 <rect width=\"1.1\" height=\"{gap}\" fill=\"{line}\"/></pattern>\n"
             ),
         );
         format!("url(#{id})")
@@ -193,6 +204,11 @@ impl Canvas {
                 format_args!("<path d=\"{data}\" {style}/>\n"),
             );
         }
+    }
+
+    /// A path in several styles, one over the other.
+    pub fn layers(&mut self, data: &str, styles: &[String]) {
+        styles.iter().for_each(|style| self.path(data, style));
     }
 
     /// A text on one line, with its baseline at the position.

@@ -3,8 +3,12 @@
 //! The colours are those of Okabe and Ito, which people with any common colour blindness tell
 //! apart; their order below alternates light and dark, so that neighbours differ in grey print.
 
-use crate::svg::Font;
+use crate::svg::{Canvas, Font};
 
+/// Proved to agree, proved not to, and neither.
+pub(crate) const INSIDE: &str = "#009E73";
+pub(crate) const OUTSIDE: &str = "#56B4E9";
+pub(crate) const UNDECIDED: &str = "#E69F00";
 /// Proved enclosures of outputs and states.
 pub(crate) const BLUE: &str = "#0072B2";
 /// Parameters, by position.
@@ -84,10 +88,40 @@ pub(crate) fn union() -> String {
 
 /// Style of the set at the start.
 pub(crate) fn start() -> String {
-    format!(
-        "fill=\"{0}\" fill-opacity=\"0.38\" stroke=\"{0}\" stroke-width=\"0.8\"",
-        "#009E73"
-    )
+    format!("fill=\"{INSIDE}\" fill-opacity=\"0.38\" stroke=\"{INSIDE}\" stroke-width=\"0.8\"")
+}
+
+/// Styles of what is proved inside, one over the other: colour, and lines that stay apart from the others in
+/// grey print.
+pub(crate) fn inside(canvas: &mut Canvas) -> [String; 2] {
+    let lines = canvas.lines("#00604A", (-45, 6));
+    [format!("fill=\"{INSIDE}\""), format!("fill=\"{lines}\"")]
+}
+
+/// Styles of what is proved outside.
+pub(crate) fn outside(canvas: &mut Canvas) -> [String; 2] {
+    let lines = canvas.lines(OUTSIDE, (45, 5));
+    ["fill=\"#E3F2FB\"".to_owned(), format!("fill=\"{lines}\"")]
+}
+
+/// Styles of what is undecided: an edge keeps it visible however thin it is.
+pub(crate) fn undecided(canvas: &mut Canvas) -> [String; 2] {
+    let lines = canvas.lines("#FFD98A", (0, 3));
+    let edge = format!("stroke=\"{UNDECIDED}\" stroke-width=\"0.7\" stroke-linejoin=\"round\"");
+    [
+        format!("fill=\"{UNDECIDED}\" {edge}"),
+        format!("fill=\"{lines}\""),
+    ]
+}
+
+/// Style of the edges between tiles.
+pub(crate) fn edges() -> String {
+    format!("fill=\"none\" stroke=\"{INK}\" stroke-opacity=\"0.35\" stroke-width=\"0.35\"")
+}
+
+/// Style of lines from a range to its enlargement.
+pub(crate) fn guide() -> String {
+    format!("stroke=\"{SOFT}\" stroke-width=\"0.6\"")
 }
 
 /// Style of a true trajectory.

@@ -147,7 +147,12 @@ impl Tube {
             plane.map(|plane| ("plane", self.draw_plane(plane))),
         ];
         let drawn = wanted.into_iter().flatten();
-        drawn.map(|(name, svg)| Figure { name, svg }).collect()
+        drawn
+            .map(|(name, svg)| Figure {
+                name: name.to_owned(),
+                svg,
+            })
+            .collect()
     }
 
     /// The time from which on some width is past use: axes show what is before.

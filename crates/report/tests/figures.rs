@@ -9,8 +9,8 @@
 use std::collections::BTreeSet;
 
 use veribound_report::{
-    Figure, FigureMeta, History, Parameter, Quantity, ReportError, SampleRow, Tube, TubeRow, Zoom,
-    png,
+    Figure, FigureMeta, History, Identification, Parameter, PavingTile, ProvedParameter, Quantity,
+    ReportError, SampleRow, TileStatus, Tube, TubeRow, Zoom, png,
 };
 
 fn meta() -> FigureMeta {
@@ -98,7 +98,7 @@ fn assert_sound(figures: &[Figure]) {
 fn every_figure_is_there_and_the_same_each_time() {
     let make = || history(meta(), 3000, |t| (t.sin() - 0.1, t.sin() + 0.1), true);
     let figures = make().render_all();
-    let names: Vec<&str> = figures.iter().map(|figure| figure.name).collect();
+    let names: Vec<&str> = figures.iter().map(|figure| figure.name.as_str()).collect();
     assert_eq!(names, ["outputs", "params", "states", "modes", "work"]);
     assert_eq!(figures, make().render_all());
     assert_drawable(&figures);
@@ -280,6 +280,16 @@ fn text_is_drawn_without_any_font_of_the_machine() {
     ));
 }
 
+/// Puts the pictures into the folder `VERIBOUND_FIGURES`, if there is such a variable: for looking at them.
+fn keep(figures: &[Figure], which: &str) {
+    if let Some(place) = std::env::var_os("VERIBOUND_FIGURES") {
+        for figure in figures {
+            let path = std::path::Path::new(&place).join(format!("{}-{which}.png", figure.name));
+            std::fs::write(path, png(&figure.svg).expect("a picture")).expect("a file");
+        }
+    }
+}
+
 /// An enclosure of two states and their sum, with two trajectories, of so many times.
 fn tube(count: u32) -> Tube {
     let meta = FigureMeta {
@@ -321,17 +331,11 @@ fn tube(count: u32) -> Tube {
 fn an_enclosure_is_drawn_in_four_figures() {
     for count in [1, 40, 400, 9000] {
         let figures = tube(count).render_all();
-        let names: Vec<&str> = figures.iter().map(|figure| figure.name).collect();
+        let names: Vec<&str> = figures.iter().map(|figure| figure.name.as_str()).collect();
         assert_eq!(names, ["outputs", "states", "modes", "plane"]);
         assert_drawable(&figures);
         assert_eq!(figures, tube(count).render_all());
-        if let Some(place) = std::env::var_os("VERIBOUND_FIGURES") {
-            for figure in &figures {
-                let path =
-                    std::path::Path::new(&place).join(format!("{}-{count}.png", figure.name));
-                std::fs::write(path, png(&figure.svg).expect("a picture")).expect("a file");
-            }
-        }
+        keep(&figures, &count.to_string());
     }
 }
 
@@ -368,4 +372,116 @@ fn rows_of_another_shape_are_refused() {
     );
     wrong(TubeRow { modes: &[], ..row }, &mut tube);
     tube.push(&row).expect("a row of the right shape");
+}
+
+/// The tiles of a bisection of the unit cube, or what is left of it, around a ring.
+fn tiles(params: usize, depth: u32) -> Vec<PavingTile> {
+    let mut tiles = Vec::new();
+    let mut waiting = vec![(vec![(0.0, 1.0); params], 0)];
+    while let Some((cube, level)) = waiting.pop() {
+        // Of the distance from the middle, least and most.
+        let far = |pick: fn(f64, f64) -> f64, inner: bool| {
+            let squares = cube.iter().map(|(lo, hi): &(f64, f64)| {
+                let (a, b) = ((lo - 0.5).abs(), (hi - 0.5).abs());
+                let holds = inner && *lo <= 0.5 && 0.5 <= *hi;
+                if holds { 0.0 } else { pick(a, b).powi(2) }
+            });
+            squares.sum::<f64>().sqrt()
+        };
+        let (least, most) = (far(f64::min, true), far(f64::max, false));
+        let status = if most < 0.3 && least > 0.15 {
+            TileStatus::Inside
+        } else if least > 0.3 || most < 0.15 {
+            TileStatus::Outside
+        } else if level < depth {
+            let at = (level as usize) % params;
+            let (lo, hi) = cube[at];
+            let middle = lo / 2.0 + hi / 2.0;
+            for half in [(lo, middle), (middle, hi)] {
+                let mut part = cube.clone();
+                part[at] = half;
+                waiting.push((part, level + 1));
+            }
+            continue;
+        } else {
+            TileStatus::Undecided
+        };
+        tiles.push(PavingTile {
+            params: cube,
+            status,
+        });
+    }
+    tiles
+}
+
+fn proved(name: &str, outer: (f64, f64), inner: Option<(f64, f64)>) -> ProvedParameter {
+    ProvedParameter {
+        quantity: Quantity::new(name, "1/s"),
+        prior: (0.0, 1.0),
+        outer: Some(outer),
+        inner,
+        tightness: inner.map_or(f64::INFINITY, |inner| {
+            (outer.1 - outer.0) / (inner.1 - inner.0)
+        }),
+    }
+}
+
+#[test]
+fn an_identification_is_drawn_with_all_pairs() {
+    let wide = proved("a", (0.19, 0.81), Some((0.21, 0.79)));
+    let thin = proved("b", (0.489, 0.512), Some((0.492, 0.511)));
+    let point = proved("c", (0.3, 0.3001), Some((0.300_05, 0.300_05)));
+    let alone = proved("d", (0.2, 0.4), None);
+    let two = Identification {
+        title: "a < b".to_owned(),
+        params: vec![wide.clone(), thin.clone()],
+        tiles: tiles(2, 11),
+    };
+    let names = |figures: &[Figure]| figures.iter().map(|f| f.name.clone()).collect::<Vec<_>>();
+    let figures = two.render_all();
+    assert_eq!(names(&figures), ["bounds", "paving_a_b"]);
+    assert_drawable(&figures);
+    assert_eq!(figures, two.render_all());
+    keep(&figures, "two");
+    let three = Identification {
+        params: vec![wide.clone(), thin, point],
+        tiles: tiles(3, 12),
+        ..two.clone()
+    };
+    let figures = three.render_all();
+    let pairs = ["bounds", "paving_a_b", "paving_a_c", "paving_b_c"];
+    assert_eq!(names(&figures), pairs);
+    assert_drawable(&figures);
+    keep(&figures, "three");
+    // No paving, a parameter that is known, nothing reached, nothing left.
+    let known = ProvedParameter {
+        prior: (0.5, 0.5),
+        ..proved("known", (0.5, 0.5), Some((0.5, 0.5)))
+    };
+    let gone = ProvedParameter {
+        outer: None,
+        ..proved("gone", (0.0, 1.0), None)
+    };
+    let odd = Identification {
+        params: vec![known, alone, gone],
+        ..Identification::default()
+    };
+    let figures = odd.render_all();
+    assert_eq!(names(&figures), ["bounds"]);
+    assert_drawable(&figures);
+    keep(&figures, "odd");
+    // Two pairs with one name between them.
+    let named = |name: &str| proved(name, (0.2, 0.8), None);
+    let same = Identification {
+        params: ["a", "b_c", "a_b", "c"].map(named).to_vec(),
+        tiles: vec![PavingTile {
+            params: vec![(f64::NEG_INFINITY, f64::INFINITY); 4],
+            status: TileStatus::Undecided,
+        }],
+        ..Identification::default()
+    };
+    let figures = same.render_all();
+    assert_eq!(names(&figures)[1], "paving_a_b_c");
+    assert_eq!(names(&figures)[6], "paving_a_b_c_");
+    assert_sound(&figures);
 }

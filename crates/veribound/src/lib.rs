@@ -68,6 +68,7 @@
 //!   [`build::ModelBuilder`]; [`Model::describe`] says what was understood. Problems come as [`Diagnostics`]: place, text, caret, one thing to do.
 //! - [`Record`]: a CSV file, checked as a whole, then read sample by sample.
 //! - [`Observer`], [`ObserverOptions`], [`Verdict`]: the estimation.
+//! - [`identify`]: bounds from both sides, from whole records ([`Record::all_samples`]).
 //! - [`Simulation`]: proved simulation with known parameters.
 //! - [`System`], [`Workspace`]: single steps of boxes, for estimators of your own.
 //! - [`ResultFolder`], [`TableWriter`], [`Summary`]: result files; [`History`], [`png`]: figures.
@@ -78,12 +79,12 @@ mod simulation;
 
 pub use simulation::{Simulation, Stopped};
 pub use veribound_data::{
-    Cell as TableCell, Column, Record, RecordOptions, ResultFolder, RunInfo, Samples, Start,
-    Summary, TableWriter,
+    Cell as TableCell, Column, IdentifiedSummary, Record, RecordOptions, ResultFolder, RunInfo,
+    Samples, Start, Summary, TableWriter,
 };
 pub use veribound_estimate::{
     Cell, Contradiction, Estimate, Misuse, Observer, ObserverOptions, ParameterRule, Refutation,
-    Undecided, Verdict,
+    Undecided, Verdict, identify,
 };
 pub use veribound_flow::{ModeSet, StepFailure, StepOptions, StepReport, System, Workspace};
 pub use veribound_interval::{Decimal, Interval, SelfTestError, self_test};
@@ -91,4 +92,7 @@ pub use veribound_model::{
     Coverage, Diagnostic, Diagnostics, ErrorBound, Guard, Input, Mode, Model, Output, Param, Reset,
     Sample, Signal, SourceText, State, build,
 };
-pub use veribound_report::{Figure, FigureMeta, History, SampleRow, png};
+pub use veribound_report::{
+    Figure, FigureMeta, History, Identification, PavingTile, ProvedParameter, SampleRow,
+    TileStatus, png,
+};

@@ -76,6 +76,8 @@ fn what_is_refused_is_told_word_for_word() {
     flags_of_observe(&mut session);
     earlier_runs(&mut session);
     places_of_results(&mut session);
+    session.refused("identify m.toml r.csv m.toml -o out");
+    session.refused("identify m.toml r.csv missing.csv -o out");
     flags_of_simulate(&mut session);
     what_a_simulation_cannot_do(&mut session);
     the_machine(&mut session);
@@ -96,6 +98,8 @@ fn flags_of_observe(session: &mut Session) {
     session.observe("--reset j@still");
     session.observe("--reset k@still");
     session.observe("--input-error w=10%");
+    session.observe("--output-error y=10%");
+    session.observe("--output-error pos=0.05");
     session.cart(
         "[\"u [V]\"]",
         "{ u = { unit = \"V\", error = { relative = 0.2 } } }",

@@ -154,6 +154,15 @@ impl Record {
         })
     }
 
+    /// All samples of the window together.
+    ///
+    /// *Errors*: when the file cannot be opened any more, or was changed since it was checked.
+    ///
+    /// *Cost*: memory grows with their number, unlike that of [`Record::samples`].
+    pub fn all_samples(&self) -> Result<Vec<Sample>, Diagnostics> {
+        self.samples()?.collect()
+    }
+
     /// Number of samples in the window; at least one.
     pub fn len(&self) -> usize {
         self.samples

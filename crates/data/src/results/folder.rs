@@ -11,7 +11,7 @@ use veribound_model::diagnostic::Diagnostic;
 const MARK: &str = "summary.json";
 
 /// The tables of a run.
-const TABLES: [&str; 7] = [
+const TABLES: [&str; 9] = [
     MARK,
     "run.toml",
     "states.csv",
@@ -19,10 +19,17 @@ const TABLES: [&str; 7] = [
     "boxes.csv",
     "tube.csv",
     "parts.csv",
+    "points.csv",
+    "paving.csv",
 ];
 
 /// The figures of a run, in the folder `fig`.
-const FIGURES: [&str; 6] = ["outputs", "params", "states", "modes", "work", "plane"];
+const FIGURES: [&str; 7] = [
+    "outputs", "params", "states", "modes", "work", "plane", "bounds",
+];
+
+/// How the names of the other figures begin: one for every two parameters.
+const PAIRS: &str = "paving_";
 
 /// Where the files of a run go.
 ///
@@ -69,7 +76,7 @@ impl ResultFolder {
         let figures = FIGURES.iter().flat_map(|name| {
             ["svg", "png"].map(|ending| path.join("fig").join(format!("{name}.{ending}")))
         });
-        tables.chain(figures).collect()
+        tables.chain(figures).chain(pairs(path)).collect()
     }
 
     /// Starts the file `name`, a path inside the folder such as `fig/outputs.svg`.
@@ -132,6 +139,18 @@ impl ResultFolder {
             .chain(marks)
             .try_for_each(CompleteFile::put_in_place)
     }
+}
+
+/// The figures of pairs of parameters that are in the folder of a run.
+fn pairs(path: &Path) -> impl Iterator<Item = PathBuf> {
+    let found = fs::read_dir(path.join("fig")).into_iter().flatten();
+    found.flatten().map(|entry| entry.path()).filter(|path| {
+        let name = path.file_stem().unwrap_or_default().to_string_lossy();
+        let is_figure = path
+            .extension()
+            .is_some_and(|end| end == "svg" || end == "png");
+        is_figure && name.starts_with(PAIRS)
+    })
 }
 
 /// A file that is being written; dropped before [`ResultFile::finish`], it leaves nothing.
@@ -309,6 +328,7 @@ mod tests {
                 "summary.json",
                 "params.csv",
                 "fig/outputs.svg",
+                "fig/paving_a_b.svg",
                 "fig/work.png",
             ]))
             .unwrap();

@@ -2,6 +2,7 @@
 
 pub(crate) mod enclosed;
 pub(crate) mod folder;
+pub(crate) mod identified;
 mod number;
 pub(crate) mod run_info;
 pub(crate) mod start;

@@ -24,6 +24,9 @@ pub struct RunInfo {
     /// The record.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub record: Option<RecordInfo>,
+    /// The records of a run that takes several together.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub records: Vec<RecordInfo>,
     /// The profile of the inputs, of a run without a record.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub profile: Option<RecordInfo>,
@@ -160,6 +163,7 @@ mod tests {
             platform: Platform::current(),
             model: FileInfo::of_text(Path::new("model.toml"), "format = 1\n"),
             record: None,
+            records: Vec::new(),
             profile: None,
             start: Vec::new(),
             overlay: None,

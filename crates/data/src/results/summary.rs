@@ -1,7 +1,7 @@
 //! `summary.json`: the verdict of a run and the bounds it proved.
 
 use super::number::Number;
-use crate::outward;
+use crate::{inward, outward};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use veribound_interval::{Decimal, Interval, text};
@@ -122,13 +122,9 @@ impl ParameterSummary {
     /// Bounds proved for a parameter; the empty set when it was refuted.
     pub fn new(param: &Param, bounds: Interval) -> Self {
         ParameterSummary {
-            bounds: if bounds.is_empty() {
-                Ends::outward(bounds)
-            } else {
-                Ends::new(outward::inside_prior(bounds, param.bounds))
-            },
+            bounds: Ends::inside_prior(bounds, param.bounds),
             unit: param.unit.clone(),
-            prior: Ends::new(veribound_interval::text::spelled(param.bounds)),
+            prior: Ends::prior(param.bounds),
         }
     }
 }
@@ -196,6 +192,24 @@ impl Ends {
             return Ends::Nothing { empty: true };
         }
         Ends::new((outward::lower(bounds), outward::upper(bounds)))
+    }
+
+    /// Of what is proved to be reached; none where nothing is.
+    pub(super) fn inward(bounds: Interval) -> Option<Self> {
+        inward::ends(bounds).map(Ends::new)
+    }
+
+    /// Bounds of what lies, by the user's word, in the prior.
+    pub(super) fn inside_prior(bounds: Interval, prior: Interval) -> Self {
+        if bounds.is_empty() {
+            return Ends::outward(bounds);
+        }
+        Ends::new(outward::inside_prior(bounds, prior))
+    }
+
+    /// The prior as the user spelled it.
+    pub(super) fn prior(prior: Interval) -> Self {
+        Ends::new(text::spelled(prior))
     }
 
     fn new((lo, hi): (String, String)) -> Self {

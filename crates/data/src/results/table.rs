@@ -4,7 +4,7 @@ use super::folder::{CompleteFile, ResultFile, ResultFolder};
 use crate::outward;
 use std::fmt::Write as _;
 use std::io::{self, Write};
-use veribound_interval::{Decimal, Interval};
+use veribound_interval::{Decimal, Interval, text};
 use veribound_model::diagnostic::Diagnostic;
 use veribound_model::model::Model;
 
@@ -25,6 +25,8 @@ pub enum Column {
 pub enum Cell<'a> {
     /// Printed outward with 12 significant digits; two empty fields for the empty set.
     Bounds(Interval),
+    /// Every digit of both ends, so that neighbours still share them; two empty fields for the empty set.
+    Exact(Interval),
     /// A number of things.
     Count(usize),
     /// A duration in seconds, or another number that is no bound.
@@ -114,6 +116,22 @@ impl Column {
         first.chain(starts).chain(params).chain(ends).collect()
     }
 
+    /// The columns of `points.csv`: number of the point, and bounds of every parameter of it.
+    pub fn of_points(model: &Model) -> Vec<Column> {
+        let params = model.params.iter();
+        let params = params.map(|param| Column::Bounds(param.name.clone()));
+        let first = ["point"].map(Column::plain).into_iter();
+        first.chain(params).collect()
+    }
+
+    /// The columns of `paving.csv`: bounds of every parameter, then `status` and `reason`.
+    pub fn of_paving(model: &Model) -> Vec<Column> {
+        let params = model.params.iter();
+        let params = params.map(|param| Column::Parameter(param.name.clone(), param.bounds));
+        let last = ["status", "reason"].map(Column::plain);
+        params.chain(last).collect()
+    }
+
     /// A column of anything but bounds.
     pub fn plain(name: &str) -> Column {
         Column::Plain(name.to_owned())
@@ -121,9 +139,7 @@ impl Column {
 
     fn spelled_prior(&self) -> Option<(Interval, (String, String))> {
         match self {
-            Column::Parameter(_, prior) => {
-                Some((*prior, veribound_interval::text::spelled(*prior)))
-            }
+            Column::Parameter(_, prior) => Some((*prior, text::spelled(*prior))),
             _ => None,
         }
     }
@@ -142,25 +158,42 @@ impl TableWriter {
         name: &str,
         columns: Vec<Column>,
     ) -> Result<Self, Diagnostic> {
+        Self::start(folder, name, columns, String::from("t,"))
+    }
+
+    /// Starts a table of what holds at no time of its own: it has the columns named, and no other.
+    ///
+    /// *Errors*: `E0501`, `E0502`.
+    pub fn timeless(
+        folder: &ResultFolder,
+        name: &str,
+        columns: Vec<Column>,
+    ) -> Result<Self, Diagnostic> {
+        Self::start(folder, name, columns, String::new())
+    }
+
+    fn start(
+        folder: &ResultFolder,
+        name: &str,
+        columns: Vec<Column>,
+        first: String,
+    ) -> Result<Self, Diagnostic> {
         let mut table = TableWriter {
             file: folder.file(name)?,
             priors: columns.iter().map(Column::spelled_prior).collect(),
             columns,
-            line: String::from("t"),
+            line: first,
         };
         for column in &table.columns {
             match column {
                 Column::Bounds(name) | Column::Parameter(name, _) => {
-                    table.line.push(',');
                     push_text(&mut table.line, &format!("{name}.lo"));
                     table.line.push(',');
                     push_text(&mut table.line, &format!("{name}.hi"));
                 }
-                Column::Plain(name) => {
-                    table.line.push(',');
-                    push_text(&mut table.line, name);
-                }
+                Column::Plain(name) => push_text(&mut table.line, name),
             }
+            table.line.push(',');
         }
         table.write_line()?;
         Ok(table)
@@ -170,8 +203,23 @@ impl TableWriter {
     ///
     /// *Errors*: `E0501`, `E0502`; `E0503` when the cells do not fit the columns.
     pub fn row(&mut self, time: &Decimal, cells: &[Cell<'_>]) -> Result<(), Diagnostic> {
+        self.line.clear();
+        // Writing to a String cannot fail.
+        let _ = write!(self.line, "{time},");
+        self.push_cells(cells)
+    }
+
+    /// Writes one row of a table without times: one cell for every column.
+    ///
+    /// *Errors*: `E0501`, `E0502`; `E0503` when the cells do not fit the columns.
+    pub fn timeless_row(&mut self, cells: &[Cell<'_>]) -> Result<(), Diagnostic> {
+        self.line.clear();
+        self.push_cells(cells)
+    }
+
+    fn push_cells(&mut self, cells: &[Cell<'_>]) -> Result<(), Diagnostic> {
         let fits = |(column, cell): (&Column, &Cell<'_>)| {
-            column.has_bounds() == matches!(cell, Cell::Bounds(_))
+            column.has_bounds() == matches!(cell, Cell::Bounds(_) | Cell::Exact(_))
         };
         if cells.len() != self.columns.len() || !self.columns.iter().zip(cells).all(fits) {
             return Err(Diagnostic::new(
@@ -183,14 +231,13 @@ impl TableWriter {
                 ),
             ));
         }
-        self.line.clear();
-        // Writing to a String cannot fail.
-        let _ = write!(self.line, "{time}");
         for (cell, prior) in cells.iter().zip(&self.priors) {
-            self.line.push(',');
+            let is_exact = matches!(cell, Cell::Exact(_));
             match *cell {
-                Cell::Bounds(bounds) if bounds.is_empty() => self.line.push(','),
-                Cell::Bounds(bounds) => {
+                Cell::Bounds(bounds) | Cell::Exact(bounds) if bounds.is_empty() => {
+                    self.line.push(',');
+                }
+                Cell::Bounds(bounds) | Cell::Exact(bounds) => {
                     let untouched = |end: fn(Interval) -> f64| {
                         prior
                             .as_ref()
@@ -198,11 +245,13 @@ impl TableWriter {
                     };
                     match untouched(Interval::lo) {
                         Some((_, (lo, _))) => self.line.push_str(lo),
+                        None if is_exact => self.line.push_str(&text::exact(bounds.lo())),
                         None => self.line.push_str(&outward::lower(bounds)),
                     }
                     self.line.push(',');
                     match untouched(Interval::hi) {
                         Some((_, (_, hi))) => self.line.push_str(hi),
+                        None if is_exact => self.line.push_str(&text::exact(bounds.hi())),
                         None => self.line.push_str(&outward::upper(bounds)),
                     }
                 }
@@ -214,6 +263,7 @@ impl TableWriter {
                 }
                 Cell::Text(text) => push_text(&mut self.line, text),
             }
+            self.line.push(',');
         }
         self.write_line()
     }
@@ -225,7 +275,9 @@ impl TableWriter {
         self.file.finish()
     }
 
+    /// Writes the fields at hand, each with a comma behind it.
     fn write_line(&mut self) -> Result<(), Diagnostic> {
+        self.line.pop();
         self.line.push('\n');
         let written: io::Result<()> = self.file.write_all(self.line.as_bytes());
         written.map_err(|error| self.file.refuse(&error))
@@ -284,6 +336,30 @@ mod tests {
             0.1,,,\"say \"\"x\"\"\",3\n\
             0.1,-inf,inf,,3\n";
         let written = std::fs::read_to_string(place.path().join("states.csv")).unwrap();
+        assert_eq!(written, expected);
+    }
+
+    #[test]
+    fn tiles_share_their_ends_and_have_those_of_the_prior() {
+        let place = tempfile::tempdir().unwrap();
+        let folder = ResultFolder::create(place.path()).unwrap();
+        let prior = Decimal::parse("-0.3").unwrap().to_interval();
+        let prior = prior.hull(Decimal::parse("-0.05").unwrap().to_interval());
+        let columns = vec![
+            Column::Parameter("k".into(), prior),
+            Column::plain("status"),
+        ];
+        let mut table = TableWriter::timeless(&folder, "paving.csv", columns).unwrap();
+        let third = -1.0 / 3.0 + 0.25;
+        for (lo, hi) in [(prior.lo(), third), (third, prior.hi())] {
+            let tile = Interval::new(lo, hi).unwrap();
+            let cells = [Cell::Exact(tile), Cell::Text("outside")];
+            table.timeless_row(&cells).unwrap();
+        }
+        table.finish().unwrap().put_in_place().unwrap();
+        let exact = "-0.083333333333333314829616256247390992939472198486328125";
+        let expected = format!("k.lo,k.hi,status\n-0.3,{exact},outside\n{exact},-0.05,outside\n");
+        let written = std::fs::read_to_string(place.path().join("paving.csv")).unwrap();
         assert_eq!(written, expected);
     }
 }

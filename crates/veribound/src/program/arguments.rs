@@ -1,9 +1,10 @@
 //! What can be typed.
 
 use super::flags::{
-    Assignment, ColumnFlag, ErrorFlag, InputErrorFlag, PlaneFlag, ResetFlag, ZoomFlag, decimal,
+    Assignment, ColumnFlag, ErrorBoundFlag, ErrorFlag, PlaneFlag, ResetFlag, ZoomFlag, decimal,
     not_negative, positive,
 };
+pub use super::identify::arguments::Identify;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use veribound_estimate::{ObserverOptions, ParameterRule};
@@ -40,6 +41,14 @@ pub enum Command {
                             sample)."
     )]
     Observe(Box<Observe>),
+    /// Bound the parameters of a model from whole records, from both sides: what is proved to hold all
+    /// values, and what is proved to be reached
+    #[command(
+        after_help = "Exit codes: 0 consistent, 1 proved inconsistent, 2 wrong input or \
+                            usage, 3 undecided, 130 interrupted (what is proved until then is \
+                            written)."
+    )]
+    Identify(Box<Identify>),
     /// Make a record of a model with known parameters; its errors are proved to stay in bounds
     Simulate(Box<Simulate>),
     /// Enclose all solutions of a model: no record needed, nothing estimated
@@ -104,7 +113,8 @@ pub struct Reading {
     #[arg(long, value_name = "SECONDS", value_parser = decimal, allow_hyphen_values = true)]
     pub from: Option<Decimal>,
     /// Last time to use, in seconds on the record's clock
-    #[arg(long, value_name = "SECONDS", value_parser = decimal, allow_hyphen_values = true)]
+    #[arg(long, visible_alias = "until", value_name = "SECONDS", value_parser = decimal,
+          allow_hyphen_values = true)]
     pub to: Option<Decimal>,
 }
 
@@ -113,6 +123,19 @@ pub struct Reading {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Assumptions")]
 pub struct Assumptions {
+    /// What lets in more solutions.
+    #[command(flatten)]
+    pub weakening: Weakening,
+    /// Start from the parameter boxes that an earlier run left in its folder, instead of the prior;
+    /// assumes that its record has the same parameters
+    #[arg(long, value_name = "DIR")]
+    pub start_from: Option<PathBuf>,
+}
+
+/// What lets in more solutions than the model file does.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Assumptions")]
+pub struct Weakening {
     /// Let a parameter take a new value inside its prior at every sample at which a signal has been
     /// true for SECONDS (0 if not given; an event of the model brings its own time)
     #[arg(long, value_name = "PARAM@SIGNAL[:SECONDS]")]
@@ -120,11 +143,10 @@ pub struct Assumptions {
     /// Let an input differ from the record by more than the model file says: a share (10%) or an
     /// absolute bound (0.02)
     #[arg(long, value_name = "INPUT=BOUND")]
-    pub input_error: Vec<InputErrorFlag>,
-    /// Start from the parameter boxes that an earlier run left in its folder, instead of the prior;
-    /// assumes that its record has the same parameters
-    #[arg(long, value_name = "DIR")]
-    pub start_from: Option<PathBuf>,
+    pub input_error: Vec<ErrorBoundFlag>,
+    /// Let a measured output differ from the record by more than the model file says, in the same way
+    #[arg(long, value_name = "OUTPUT=BOUND")]
+    pub output_error: Vec<ErrorBoundFlag>,
 }
 
 /// How the observer works. No flag here changes what is proved; they change how tight the bounds are
@@ -399,7 +421,7 @@ impl Method {
 }
 
 /// A whole number from `least` on.
-fn count(least: u64) -> impl clap::builder::TypedValueParser<Value = usize> {
+pub fn count(least: u64) -> impl clap::builder::TypedValueParser<Value = usize> {
     count_up_to(least, 1_000_000)
 }
 

@@ -4,15 +4,15 @@
 //! input that may be further off), so whatever is proved with it is proved of the model file's own
 //! solutions too. Flags that would shut solutions out are refused.
 
-use super::arguments::Assumptions;
-use super::flags::{InputErrorFlag, ResetFlag};
+use super::arguments::Weakening;
+use super::flags::{ErrorBoundFlag, ResetFlag};
 use super::message::{flag_problem, list};
 use veribound_interval::Decimal;
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
-use veribound_model::{Model, Reset};
+use veribound_model::{ErrorBound, Model, Reset};
 
 /// Changes the model as the flags say; gives a sentence for every change.
-pub fn weaken(model: &mut Model, flags: &Assumptions) -> Result<Vec<String>, Diagnostics> {
+pub fn weaken(model: &mut Model, flags: &Weakening) -> Result<Vec<String>, Diagnostics> {
     let mut said = Vec::new();
     let mut problems = Vec::new();
     for flag in &flags.reset {
@@ -23,6 +23,12 @@ pub fn weaken(model: &mut Model, flags: &Assumptions) -> Result<Vec<String>, Dia
     }
     for flag in &flags.input_error {
         match input_error(model, flag) {
+            Ok(change) => said.push(change),
+            Err(problem) => problems.push(problem),
+        }
+    }
+    for flag in &flags.output_error {
+        match output_error(model, flag) {
             Ok(change) => said.push(change),
             Err(problem) => problems.push(problem),
         }
@@ -97,47 +103,64 @@ fn reset(model: &mut Model, flag: &ResetFlag) -> Result<String, Diagnostic> {
     Ok(change)
 }
 
-fn input_error(model: &mut Model, flag: &InputErrorFlag) -> Result<String, Diagnostic> {
-    let typed = |range| ("--input-error", flag.text.as_str(), range);
+fn input_error(model: &mut Model, flag: &ErrorBoundFlag) -> Result<String, Diagnostic> {
     let known = list(model.recorded_inputs().map(|input| input.name.as_str()));
-    let Some(input) = model
-        .inputs
-        .iter_mut()
-        .find(|input| input.name == flag.input && input.within.is_none())
-    else {
+    let named = |name: &str| name == flag.name;
+    let mut inputs = model.inputs.iter_mut();
+    let Some(input) = inputs.find(|input| named(&input.name) && input.within.is_none()) else {
         return Err(flag_problem(
             "E0603",
-            format!("the model has no input `{}`", flag.input),
-            typed(0..flag.input.len()),
+            format!("the model has no input `{}`", flag.name),
+            ("--input-error", flag.text.as_str(), 0..flag.name.len()),
             "not in [inputs]",
             format!("its inputs are {known}"),
         ));
     };
-    let own = if flag.is_relative {
-        &mut input.error.relative
-    } else {
-        &mut input.error.absolute
+    grow("--input-error", flag, &mut input.error, &input.unit)
+}
+
+fn output_error(model: &mut Model, flag: &ErrorBoundFlag) -> Result<String, Diagnostic> {
+    let known = list(model.outputs.iter().map(|output| output.name.as_str()));
+    let mut outputs = model.outputs.iter_mut();
+    let Some(output) = outputs.find(|output| output.name == flag.name) else {
+        return Err(flag_problem(
+            "E0601",
+            format!("the model has no output `{}`", flag.name),
+            ("--output-error", flag.text.as_str(), 0..flag.name.len()),
+            "not in [outputs]",
+            format!("its outputs are {known}"),
+        ));
     };
-    let kind = if flag.is_relative {
-        "times the recorded value"
+    grow("--output-error", flag, &mut output.error, &output.unit)
+}
+
+/// Takes a larger error bound; gives the sentence that says so.
+fn grow(
+    name: &str,
+    flag: &ErrorBoundFlag,
+    error: &mut ErrorBound,
+    unit: &str,
+) -> Result<String, Diagnostic> {
+    let (own, kind) = if flag.is_relative {
+        (&mut error.relative, "times the recorded value")
     } else {
-        input.unit.as_str()
+        (&mut error.absolute, unit)
     };
     if flag.bound < *own {
         return Err(flag_problem(
             "E0604",
             format!(
                 "the model file allows `{}` an error of {own} {kind}; a flag cannot take that back",
-                input.name
+                flag.name
             ),
-            typed(0..flag.text.len()),
+            (name, flag.text.as_str(), 0..flag.text.len()),
             "less than the model file says",
             "change the error bound in the model file if it is too large",
         ));
     }
     let change = format!(
-        "{} may be off by {} {kind}, {own} in the model file (--input-error)",
-        input.name, flag.bound
+        "{} may be off by {} {kind}, {own} in the model file ({name})",
+        flag.name, flag.bound
     );
     *own = flag.bound.clone();
     Ok(change)
@@ -158,14 +181,12 @@ mod tests {
         Model::from_text("x.toml", text).unwrap()
     }
 
-    fn flags(reset: &[&str], input_error: &[&str]) -> Assumptions {
-        Assumptions {
+    fn flags(reset: &[&str], input_error: &[&str]) -> Weakening {
+        let bounds = |list: &[&str]| list.iter().map(|text| text.parse().unwrap()).collect();
+        Weakening {
             reset: reset.iter().map(|text| text.parse().unwrap()).collect(),
-            input_error: input_error
-                .iter()
-                .map(|text| text.parse().unwrap())
-                .collect(),
-            start_from: None,
+            input_error: bounds(input_error),
+            output_error: Vec::new(),
         }
     }
 
@@ -203,6 +224,21 @@ mod tests {
         assert_eq!(weaker.inputs[0].error.absolute, number("0.02"));
         let refused = weaken(&mut model(), &flags(&[], &["u=1%"])).unwrap_err();
         assert_eq!(refused.0[0].code, "E0604");
+    }
+
+    #[test]
+    fn so_can_an_output_error() {
+        let mut weaker = model();
+        let mut asked = flags(&[], &[]);
+        asked.output_error = vec!["y=0.2".parse().unwrap(), "y=1%".parse().unwrap()];
+        let said = weaken(&mut weaker, &asked).unwrap();
+        assert_eq!(weaker.outputs[0].error.absolute, number("0.2"));
+        assert_eq!(weaker.outputs[0].error.relative, number("0.01"));
+        assert!(said[0].ends_with("(--output-error)"), "{}", said[0]);
+        asked.output_error = vec!["y=0.05".parse().unwrap(), "z=1".parse().unwrap()];
+        let refused = weaken(&mut model(), &asked).unwrap_err();
+        let codes: Vec<&str> = refused.0.iter().map(|problem| problem.code).collect();
+        assert_eq!(codes, ["E0604", "E0601"]);
     }
 
     #[test]

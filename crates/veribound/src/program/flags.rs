@@ -26,6 +26,14 @@ pub fn not_negative(text: &str) -> Result<f64, String> {
     }
 }
 
+/// How many times wider than the best something may be: a number above 1.
+pub fn times(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value > 1.0 && value.is_finite() => Ok(value),
+        _ => Err("expected a number above 1, as in 1.05".to_owned()),
+    }
+}
+
 /// `VARIABLE=COLUMN`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ColumnFlag {
@@ -98,49 +106,75 @@ impl FromStr for ResetFlag {
     }
 }
 
-/// `INPUT=10%` or `INPUT=0.02`.
+/// `NAME=10%` or `NAME=0.02`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct InputErrorFlag {
+pub struct ErrorBoundFlag {
     /// As typed.
     pub text: String,
-    /// Name of the input.
-    pub input: String,
+    /// Name of the input or output.
+    pub name: String,
     /// The bound, a share for a relative one.
     pub bound: Decimal,
     /// Whether the bound is a share of the recorded value.
     pub is_relative: bool,
 }
 
-impl FromStr for InputErrorFlag {
+impl FromStr for ErrorBoundFlag {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let wanted = "expected INPUT=BOUND, as in u=10% or u=0.02";
-        let (input, bound) = text.split_once('=').ok_or(wanted)?;
-        let (input, bound) = (input.trim(), bound.trim());
-        if input.is_empty() {
+        let wanted = "expected NAME=BOUND, as in u=10% or u=0.02";
+        let (name, bound) = text.split_once('=').ok_or(wanted)?;
+        let name = name.trim();
+        if name.is_empty() {
             return Err(wanted.to_owned());
         }
-        let number = bound.strip_suffix('%').map(str::trim_end);
-        let is_relative = number.is_some();
-        let number = number.unwrap_or(bound);
-        decimal(number)?;
-        // A percent sign is two decimal places, exactly.
-        let spelled = match number.split_once(['e', 'E']) {
-            _ if !is_relative => number.to_owned(),
-            None => format!("{number}e-2"),
-            Some(_) => return Err("write percent without an exponent, as in 10%".to_owned()),
-        };
-        let bound = decimal(&spelled)?;
+        let (bound, is_relative) = percent_or_number(bound.trim())?;
         if bound.is_negative() {
             return Err("an error bound cannot be negative".to_owned());
         }
-        Ok(InputErrorFlag {
+        Ok(ErrorBoundFlag {
             text: text.to_owned(),
-            input: input.to_owned(),
+            name: name.to_owned(),
             bound,
             is_relative,
         })
+    }
+}
+
+/// `10%` as 0.1, exactly, or `0.02`; and whether it was a percentage.
+fn percent_or_number(text: &str) -> Result<(Decimal, bool), String> {
+    let Some(number) = text.strip_suffix('%').map(str::trim_end) else {
+        return Ok((decimal(text)?, false));
+    };
+    decimal(number)?;
+    // A percent sign is two decimal places.
+    match number.split_once(['e', 'E']) {
+        None => Ok((decimal(&format!("{number}e-2"))?, true)),
+        Some(_) => Err("write percent without an exponent, as in 10%".to_owned()),
+    }
+}
+
+/// A part of a whole, as `1%` or `0.01`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShareFlag(pub Decimal);
+
+impl fmt::Display for ShareFlag {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl FromStr for ShareFlag {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (share, _) = percent_or_number(text.trim())?;
+        let one = decimal("1")?;
+        if share <= Decimal::zero() || share > one {
+            return Err("expected a share above 0 and up to 100%, as in 1% or 0.01".to_owned());
+        }
+        Ok(ShareFlag(share))
     }
 }
 
@@ -303,14 +337,29 @@ mod tests {
 
     #[test]
     fn percent_is_exact() {
-        let flag: InputErrorFlag = "u=10%".parse().unwrap();
+        let flag: ErrorBoundFlag = "u=10%".parse().unwrap();
         assert!(flag.is_relative);
         assert_eq!(flag.bound, number("0.1"));
-        let flag: InputErrorFlag = "u = 0.02".parse().unwrap();
+        let flag: ErrorBoundFlag = "u = 0.02".parse().unwrap();
         assert!(!flag.is_relative);
         assert_eq!(flag.bound, number("0.02"));
         for wrong in ["u", "=1", "u=x", "u=-1%", "u=1e1%", "u=nan", "u=%"] {
-            assert!(wrong.parse::<InputErrorFlag>().is_err(), "{wrong}");
+            assert!(wrong.parse::<ErrorBoundFlag>().is_err(), "{wrong}");
+        }
+        let share = |text: &str| text.parse::<ShareFlag>().map(|share| share.0);
+        assert_eq!(share("1%"), Ok(number("0.01")));
+        assert_eq!(share("0.5 %"), Ok(number("0.005")));
+        assert_eq!(share("1"), Ok(number("1")));
+        for wrong in ["0", "-1%", "101%", "1e1%", "x", "%", ""] {
+            assert!(share(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn nothing_is_tighter_than_the_best() {
+        assert_eq!(times("1.05"), Ok(1.05));
+        for wrong in ["1", "0.9", "-2", "inf", "nan", "x", ""] {
+            assert!(times(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -9,6 +9,7 @@ mod engine;
 mod explain;
 mod files;
 mod flags;
+mod identify;
 mod interrupt;
 mod message;
 mod noise;
@@ -18,6 +19,7 @@ mod overlay;
 mod overwriting;
 mod profile;
 mod progress;
+mod reading;
 mod run_info;
 mod same_units;
 mod simulate;
@@ -39,6 +41,7 @@ pub fn main() -> ExitCode {
         Command::Explain(explain) => explain::run(explain),
         Command::Check(check) => arithmetic().and_then(|()| check::run(check)),
         Command::Observe(observe) => arithmetic().and_then(|()| observe::run(observe)),
+        Command::Identify(identify) => arithmetic().and_then(|()| identify::run(identify)),
         Command::Enclose(enclose) => arithmetic().and_then(|()| enclose::run(enclose)),
         Command::Simulate(simulate) => arithmetic().and_then(|()| simulate::run(simulate)),
     };

@@ -2,7 +2,7 @@
 
 use veribound_interval::{
     Interval, round,
-    text::{inside_prior, readable, spelled},
+    text::{inside_prior, lower, readable, readable_inside, spelled, upper},
 };
 
 /// The interval as text: `[lo, hi]`, rounded outward.
@@ -25,6 +25,33 @@ pub fn show_inside(bounds: Interval, prior: Interval) -> String {
         return "none".to_owned();
     }
     in_brackets(inside_prior(readable(bounds), bounds, prior))
+}
+
+/// What is proved to be reached, rounded inward; nothing where nothing is.
+pub fn show_reached(inner: Option<Interval>) -> String {
+    let Some(inner) = inner.filter(|inner| !inner.is_empty()) else {
+        return String::new();
+    };
+    match readable_inside(inner) {
+        Some(ends) => in_brackets(ends),
+        // One point, or two so near that no short decimal lies between them.
+        None => format!("about {}", lower(inner.mid(), 6)),
+    }
+}
+
+/// `1 sample`, `2 samples`.
+pub fn counted(number: usize, one: &str, many: &str) -> String {
+    let what = if number == 1 { one } else { many };
+    format!("{number} {what}")
+}
+
+/// How many times wider than possible bounds are at most; nothing where that is not known.
+pub fn show_times(tightness: f64) -> String {
+    if tightness.is_finite() {
+        format!("{} x", upper(tightness, 4))
+    } else {
+        String::new()
+    }
 }
 
 fn in_brackets((lo, hi): (String, String)) -> String {
@@ -87,6 +114,18 @@ mod tests {
         assert_eq!(show(Interval::EMPTY), "none");
         assert_eq!(show(Interval::ENTIRE), "[-inf, inf]");
         assert_eq!(show(Interval::ZERO), "0");
+    }
+
+    #[test]
+    fn what_is_reached_is_not_shown_wider() {
+        let of = |lo, hi| show_reached(Interval::new(lo, hi));
+        assert_eq!(of(-2.652_81, -1.537_49), "[-2.65, -1.54]");
+        assert_eq!(of(199.991_21, 200.015_09), "[199.9913, 200.015]");
+        assert_eq!(of(0.5, 0.5), "0.5");
+        assert_eq!(of(0.1, 0.1), "about 0.1");
+        assert_eq!(show_reached(None), "");
+        assert_eq!(show_times(1.041_23), "1.042 x");
+        assert_eq!(show_times(f64::INFINITY), "");
     }
 
     #[test]

@@ -6,20 +6,19 @@ use super::files::{Files, figure_meta};
 use super::flags::ZoomFlag;
 use super::interrupt::Interrupt;
 use super::{
-    Outcome, assumptions, message, overlay, overwriting, progress, run_info, table, verdict,
+    Outcome, assumptions, message, overlay, overwriting, progress, reading, run_info, table,
+    verdict,
 };
 use indicatif::ProgressBar;
-use std::fs;
 use std::path::Path;
 use std::time::Instant;
 use veribound_data::{
-    FileInfo, ParameterSummary, Record, RecordOptions, ResultFolder, Start, StateSummary, Summary,
-    Work,
+    FileInfo, ParameterSummary, Record, ResultFolder, Start, StateSummary, Summary, Work,
 };
 use veribound_estimate::{Estimate, Observer, Refutation, Undecided, Verdict};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
-use veribound_model::{Coverage, Model, Sample};
+use veribound_model::{Model, Sample};
 use veribound_report::Zoom;
 
 /// What a run came to.
@@ -45,22 +44,11 @@ pub fn run(arguments: &Observe) -> Outcome {
     // [1/4] Input: model, flags, record, earlier runs.
     refuse_flags(arguments)?;
     let mut model = Model::from_file(&arguments.model)?;
-    let mut said = assumptions::weaken(&mut model, &arguments.assumptions)?;
-    let record = open_record(arguments, &model)?;
-    said.extend(record.conversions().iter().cloned());
-    said.extend(record.warnings().iter().cloned());
-    if let Some(from) = &arguments.reading.from {
-        said.push(format!(
-            "the start intervals of the model file hold at t = {} s, the first sample from {from} s on \
-             (--from)",
-            record.first()
-        ));
-    }
-    if let Coverage::Unproved(place) = &model.coverage {
-        said.push(format!(
-            "the guards of the modes leave no gap, which is not proved: {place}"
-        ));
-    }
+    let mut said = assumptions::weaken(&mut model, &arguments.assumptions.weakening)?;
+    let quiet = arguments.showing.output.quiet;
+    let record = reading::open(&arguments.record, &model, &arguments.reading, quiet)?;
+    let records = std::slice::from_ref(&record);
+    said.extend(reading::assumed(&model, records, &arguments.reading));
     let mut observer = Observer::new(&model, arguments.method.options());
     let start = match &arguments.assumptions.start_from {
         Some(folder) => Some(start_from(folder, &model, &mut observer, &mut said)?),
@@ -84,13 +72,13 @@ pub fn run(arguments: &Observe) -> Outcome {
         overlay: shown,
     };
     let run_info = run_info::of(arguments, (&model, &record), files_read, &said);
-    remarks(&record, &said, arguments.showing.output.quiet);
+    reading::remarks(records, &said, quiet);
 
     // [2/4] The record, sample by sample.
     let interrupt = Interrupt::listen();
     let folder = ResultFolder::create(&arguments.output)?;
     let mut files = Files::create(&model, folder, meta)?;
-    let bar = progress::of_samples(record.len(), arguments.showing.output.quiet);
+    let bar = progress::of_samples(record.len(), quiet);
     let found = follow(
         &record,
         &model,
@@ -117,10 +105,10 @@ pub fn run(arguments: &Observe) -> Outcome {
     files.finish((end, cells), &run_info, &json, drawn)?;
 
     // [4/4] What the user is told.
-    verdict::explain(&model, &record, &found, !arguments.showing.output.quiet);
+    verdict::explain(&model, &record, &found, !quiet);
     if arguments.showing.output.json {
         message::say(&json);
-    } else if !arguments.showing.output.quiet {
+    } else if !quiet {
         let figures = !formats.contains(&Format::None);
         message::say(&table::of(
             &model,
@@ -130,29 +118,6 @@ pub fn run(arguments: &Observe) -> Outcome {
         ));
     }
     Ok(found.ending)
-}
-
-fn open_record(arguments: &Observe, model: &Model) -> Result<Record, Diagnostics> {
-    let reading = &arguments.reading;
-    let columns = reading.column.iter();
-    let options = RecordOptions {
-        time: reading.time.clone(),
-        columns: columns
-            .map(|flag| (flag.variable.clone(), flag.column.clone()))
-            .collect(),
-        from: reading.from.clone(),
-        to: reading.to.clone(),
-    };
-    let bytes = fs::metadata(&arguments.record).map_or(0, |file| file.len());
-    let bar = progress::of_parts(
-        bytes,
-        "of the record checked",
-        arguments.showing.output.quiet,
-    );
-    let mut watch = |bytes| bar.set_position(bytes);
-    let record = Record::open_watched(&arguments.record, model, options, &mut watch);
-    bar.finish_and_clear();
-    record
 }
 
 /// Refuses what no run could do, and results in the place of what the run reads.
@@ -171,32 +136,6 @@ fn refuse_flags(arguments: &Observe) -> Result<(), Diagnostic> {
     let overlay = overlay.map(|folder| ("which the figures are to show", folder));
     let earlier: Vec<_> = start.into_iter().chain(overlay).collect();
     overwriting::refuse_results(&arguments.output, &files, &earlier)
-}
-
-/// Says what a reader of the results should know. Numbers in other units are a likely mistake and
-/// never kept back.
-fn remarks(record: &Record, said: &[String], quiet: bool) {
-    for change in said {
-        if record.warnings().contains(change) {
-            message::remark(&format!("warning: {change}"));
-        } else if !quiet {
-            message::remark(&format!("note: {change}"));
-        }
-    }
-    if quiet {
-        return;
-    }
-    if let Some(hint) = record.hint() {
-        message::remark(&format!("note: {hint}"));
-    }
-    for (name, count) in record.missing() {
-        let values = if *count == 1 { "value" } else { "values" };
-        message::remark(&format!("note: {name}: {count} {values} missing"));
-    }
-    let ignored = record.ignored_columns();
-    if !ignored.is_empty() {
-        message::remark(&format!("note: columns not used: {}", ignored.join(", ")));
-    }
 }
 
 /// Puts the boxes of an earlier run into the observer; gives the files they come from.

@@ -18,8 +18,8 @@ pub fn of_parts(count: u64, what: &str, quiet: bool) -> ProgressBar {
     bar(count, &form, quiet)
 }
 
-/// A line that says where an enclosure stands.
-pub fn of_enclosure(quiet: bool) -> ProgressBar {
+/// A line that says where a run stands whose length nobody knows.
+pub fn of_standing(quiet: bool) -> ProgressBar {
     bar(1, "  {msg}", quiet)
 }
 

@@ -1,6 +1,6 @@
 //! `run.toml`: all that repeats the run.
 
-use super::arguments::{Enclose, Format, Observe};
+use super::arguments::{Enclose, Format, Identify, Observe, Reading, Weakening};
 use clap::ValueEnum;
 use toml::{Table, Value};
 use veribound_data::{FileInfo, Platform, Program, Record, RecordInfo, RunInfo};
@@ -27,6 +27,7 @@ pub fn of(
         platform: Platform::current(),
         model: FileInfo::of_text(&arguments.model, &model.source.text),
         record: Some(RecordInfo::of(record)),
+        records: Vec::new(),
         profile: None,
         start: earlier.start,
         overlay: earlier.overlay,
@@ -52,8 +53,7 @@ pub fn of_enclosure(
             put(name, Value::String(time.to_string()));
         }
     }
-    let said = assumptions.iter().cloned().map(Value::String);
-    put("assumptions", Value::Array(said.collect()));
+    put("assumptions", texts(assumptions));
     put("parts", Value::Integer(arguments.parts as i64));
     let engine = Engine::from(arguments.engine).name();
     put("engine", Value::String(engine.to_owned()));
@@ -66,7 +66,41 @@ pub fn of_enclosure(
         platform: Platform::current(),
         model: FileInfo::of_text(&arguments.model, &model.source.text),
         record: None,
+        records: Vec::new(),
         profile,
+        start: Vec::new(),
+        overlay: None,
+        options,
+    }
+}
+
+/// What repeats an identification.
+pub fn of_identification(
+    arguments: &Identify,
+    (model, records): (&Model, &[Record]),
+    assumptions: &[String],
+) -> RunInfo {
+    let mut options = Table::new();
+    put_reading(&mut options, &arguments.reading);
+    put_weakening(&mut options, &arguments.weakening, assumptions);
+    let mut put = |name: &str, value: Value| options.insert(name.to_owned(), value);
+    put("tightness", Value::Float(arguments.tightness));
+    if let Some(share) = &arguments.paving {
+        put("paving", Value::String(share.to_string()));
+    }
+    put("sets", Value::Integer(arguments.sets as i64));
+    // Results do not depend on it; where it is not given, it is the machine's.
+    if let Some(threads) = arguments.threads {
+        put("threads", Value::Integer(threads as i64));
+    }
+    put("figures", formats(&arguments.showing.figures));
+    RunInfo {
+        program: program(),
+        platform: Platform::current(),
+        model: FileInfo::of_text(&arguments.model, &model.source.text),
+        record: None,
+        records: records.iter().map(RecordInfo::of).collect(),
+        profile: None,
         start: Vec::new(),
         overlay: None,
         options,
@@ -89,46 +123,52 @@ fn formats(list: &[Format]) -> Value {
     Value::Array(list.iter().map(|format| named(*format)).collect())
 }
 
-/// Every option with its value, given or default.
-fn options(arguments: &Observe, assumptions: &[String]) -> Table {
-    let (reading, given, method, showing) = (
-        &arguments.reading,
-        &arguments.assumptions,
-        &arguments.method,
-        &arguments.showing,
-    );
-    let mut table = Table::new();
+/// How records are read.
+fn put_reading(table: &mut Table, reading: &Reading) {
     let mut put = |name: &str, value: Value| table.insert(name.to_owned(), value);
-    let texts = |list: Vec<String>| Value::Array(list.into_iter().map(Value::String).collect());
     if let Some(time) = &reading.time {
         put("time", Value::String(time.clone()));
     }
-    let columns = reading
-        .column
-        .iter()
-        .map(|flag| format!("{}={}", flag.variable, flag.column));
-    put("column", texts(columns.collect()));
+    let columns = reading.column.iter();
+    let columns = columns.map(|flag| format!("{}={}", flag.variable, flag.column));
+    put("column", texts(columns));
     // Times are kept as text: TOML numbers are floats.
     for (name, time) in [("from", &reading.from), ("to", &reading.to)] {
         if let Some(time) = time {
             put(name, Value::String(time.to_string()));
         }
     }
-    put(
-        "reset",
-        texts(given.reset.iter().map(|flag| flag.text.clone()).collect()),
+}
+
+/// What is assumed beside the model file.
+fn put_weakening(table: &mut Table, given: &Weakening, assumptions: &[String]) {
+    let mut put = |name: &str, value: Value| table.insert(name.to_owned(), value);
+    put("reset", texts(given.reset.iter().map(|flag| &flag.text)));
+    for (name, flags) in [
+        ("input_error", &given.input_error),
+        ("output_error", &given.output_error),
+    ] {
+        put(name, texts(flags.iter().map(|flag| &flag.text)));
+    }
+    put("assumptions", texts(assumptions));
+}
+
+fn texts(list: impl IntoIterator<Item = impl ToString>) -> Value {
+    let texts = list.into_iter().map(|text| Value::String(text.to_string()));
+    Value::Array(texts.collect())
+}
+
+/// Every option with its value, given or default.
+fn options(arguments: &Observe, assumptions: &[String]) -> Table {
+    let (given, method, showing) = (
+        &arguments.assumptions,
+        &arguments.method,
+        &arguments.showing,
     );
-    put(
-        "input_error",
-        texts(
-            given
-                .input_error
-                .iter()
-                .map(|flag| flag.text.clone())
-                .collect(),
-        ),
-    );
-    put("assumptions", texts(assumptions.to_vec()));
+    let mut table = Table::new();
+    put_reading(&mut table, &arguments.reading);
+    put_weakening(&mut table, &given.weakening, assumptions);
+    let mut put = |name: &str, value: Value| table.insert(name.to_owned(), value);
     for (name, count) in [
         ("boxes", method.boxes),
         ("bisections", method.bisections),

@@ -74,18 +74,32 @@ pub fn of(
 
 /// Columns as wide as their widest entry; the last ones only as wide as they are.
 pub fn push_rows<const N: usize>(out: &mut String, rows: &[[String; N]]) {
+    push_parts(out, &[(None, rows)]);
+}
+
+/// A part of a table: what stands above it, and its rows.
+pub type Part<'a, const N: usize> = (Option<&'a str>, &'a [[String; N]]);
+
+/// The same for several parts with the same columns.
+pub fn push_parts<const N: usize>(out: &mut String, parts: &[Part<'_, N>]) {
     let mut widths = [0; N];
-    for row in rows {
+    for row in parts.iter().flat_map(|(_, rows)| *rows) {
         for (width, text) in widths.iter_mut().zip(row) {
             *width = (*width).max(text.chars().count());
         }
     }
-    for row in rows {
-        let mut line = String::from("  ");
-        for (width, text) in widths.iter().zip(row).filter(|(width, _)| **width > 0) {
-            let _ = write!(line, "{text:width$}   ");
+    for (above, rows) in parts {
+        if let Some(above) = above {
+            // Writing to a String cannot fail.
+            let _ = writeln!(out, "  {above}");
         }
-        out.push_str(line.trim_end());
-        out.push('\n');
+        for row in *rows {
+            let mut line = String::from("  ");
+            for (width, text) in widths.iter().zip(row).filter(|(width, _)| **width > 0) {
+                let _ = write!(line, "{text:width$}   ");
+            }
+            out.push_str(line.trim_end());
+            out.push('\n');
+        }
     }
 }

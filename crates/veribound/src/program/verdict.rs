@@ -30,7 +30,8 @@ pub fn in_words(model: &Model, found: &Findings) -> (Verdict, Option<String>) {
     }
 }
 
-const NOTHING_EXPLAINS: &str = "no parameter in the prior explains the data";
+/// Of a model that is proved not to fit.
+pub const NOTHING_EXPLAINS: &str = "no parameter in the prior explains the data";
 
 /// The refutation for `summary.json`.
 pub fn entry(model: &Model, refutation: &Refutation) -> veribound_data::Refutation {
@@ -242,7 +243,7 @@ fn why(model: &Model, undecided: &Undecided) -> String {
 }
 
 /// Shows the line of the record; without it where it cannot be read again.
-fn at_line(problem: Diagnostic, record: &Record, number: usize, label: String) -> Diagnostic {
+pub fn at_line(problem: Diagnostic, record: &Record, number: usize, label: String) -> Diagnostic {
     let name = record.path().display().to_string();
     let line = File::open(record.path())
         .ok()

@@ -143,7 +143,7 @@ fn enclose(
         parts: arguments.parts,
         ..Effort::default()
     };
-    let bar = progress::of_enclosure(arguments.showing.quiet);
+    let bar = progress::of_standing(arguments.showing.quiet);
     let first = course.times.first().map_or(0.0, |t| t.to_interval().mid());
     let go_on = |standing: Standing| {
         let time = first + standing.reached;

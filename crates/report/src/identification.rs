@@ -1,0 +1,71 @@
+//! What records leave of the parameters: bounds from both sides, and a paving.
+
+use crate::figure::Figure;
+use crate::meta::Quantity;
+
+/// A parameter with its bounds from both sides. Bounds are pairs lo, hi; those of priors may be infinite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ProvedParameter {
+    /// Name and unit.
+    pub quantity: Quantity,
+    /// Prior bounds.
+    pub prior: (f64, f64),
+    /// Proved to hold all values; `None` where none is left.
+    pub outer: Option<(f64, f64)>,
+    /// Proved to be reached.
+    pub inner: Option<(f64, f64)>,
+    /// How many times wider than the inner bounds the outer ones are, at most; infinite without inner ones.
+    pub tightness: f64,
+}
+
+/// What is known of the parameters in a tile.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TileStatus {
+    /// All agree with the records.
+    Inside,
+    /// None does.
+    Outside,
+    /// Not known.
+    Undecided,
+}
+
+/// A box of parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PavingTile {
+    /// One pair lo, hi per parameter.
+    pub params: Vec<(f64, f64)>,
+    /// What is known.
+    pub status: TileStatus,
+}
+
+/// All that is drawn of an identification.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Identification {
+    /// Title of the run: in the SVG's title element, not drawn.
+    pub title: String,
+    /// Parameters.
+    pub params: Vec<ProvedParameter>,
+    /// Tiles that cover the prior; none where no paving was asked for.
+    pub tiles: Vec<PavingTile>,
+}
+
+impl Identification {
+    /// The bounds of all parameters, and of a paving every two of the first parameters that are not known.
+    ///
+    /// # Guarantee
+    /// Outer bounds and what is inside or undecided are never drawn narrower than they are, inner bounds never
+    /// wider: coordinates are rounded that way. Where a paving has more than two parameters, a point of the
+    /// picture is shown as inside when it is proved to agree with some values of the others, and as outside when
+    /// it is proved to agree with none. The same bounds give the same bytes.
+    pub fn render_all(&self) -> Vec<Figure> {
+        let mut figures = Vec::new();
+        if !self.params.is_empty() {
+            figures.push(Figure {
+                name: "bounds".to_owned(),
+                svg: self.draw_bounds(),
+            });
+        }
+        figures.extend(self.draw_pavings());
+        figures
+    }
+}

@@ -1,0 +1,199 @@
+//! The files of an identification.
+
+use super::super::arguments::Format;
+use super::super::files::write_figures;
+use super::{Data, Findings};
+use veribound_data::{Cell, Column, CompleteFile, ResultFolder, RunInfo, TableWriter};
+use veribound_estimate::identify::{Reason, Status};
+use veribound_interval::Interval;
+use veribound_model::Model;
+use veribound_model::diagnostic::Diagnostic;
+use veribound_report::{Identification, PavingTile, ProvedParameter, Quantity, TileStatus};
+
+/// Writes all files of the run, and puts them in place together.
+pub fn write(
+    (folder, formats): (&ResultFolder, &[Format]),
+    (model, data, found): (&Model, &Data, &Findings),
+    (info, json): (&RunInfo, &str),
+) -> Result<(), Diagnostic> {
+    let mut files = vec![points(folder, model, found)?, info.write(folder)?];
+    if !found.identified.tiles.is_empty() {
+        files.push(paving(folder, (model, data, found))?);
+    }
+    let figures = figures(model, found);
+    files.extend(write_figures(folder, formats, || figures.render_all())?);
+    files.push(folder.write("summary.json", json.as_bytes())?);
+    folder.publish(files)
+}
+
+/// Points that are proved to agree with model and records: one lies inside the bounds of each row.
+fn points(
+    folder: &ResultFolder,
+    model: &Model,
+    found: &Findings,
+) -> Result<CompleteFile, Diagnostic> {
+    let mut table = TableWriter::timeless(folder, "points.csv", Column::of_points(model))?;
+    for (number, point) in found.identified.points.iter().enumerate() {
+        let mut row = vec![Cell::Count(number + 1)];
+        row.extend(point.iter().map(|x| Cell::Bounds(*x)));
+        table.timeless_row(&row)?;
+    }
+    table.finish()
+}
+
+/// The tiles, with every digit of their ends: together they cover the prior.
+fn paving(
+    folder: &ResultFolder,
+    (model, data, found): (&Model, &Data, &Findings),
+) -> Result<CompleteFile, Diagnostic> {
+    let mut table = TableWriter::timeless(folder, "paving.csv", Column::of_paving(model))?;
+    for tile in &found.identified.tiles {
+        let reason = reason(data, &tile.reason);
+        let mut row: Vec<Cell> = tile.params.iter().map(|x| Cell::Exact(*x)).collect();
+        row.extend([Cell::Text(name(tile.status)), Cell::Text(&reason)]);
+        table.timeless_row(&row)?;
+    }
+    table.finish()
+}
+
+fn name(status: Status) -> &'static str {
+    match status {
+        Status::Inside => "inside",
+        Status::Outside => "outside",
+        Status::Undecided => "undecided",
+    }
+}
+
+/// Why a tile has its status.
+fn reason(data: &Data, reason: &Reason) -> String {
+    let of = |record: usize| match data.records.len() {
+        1 => String::new(),
+        _ => format!(" of {}", data.name(record)),
+    };
+    let lines = |record: usize, samples: &[usize]| {
+        let lines = data.lines(record, samples);
+        let texts: Vec<String> = lines.iter().map(usize::to_string).collect();
+        texts.join(" ")
+    };
+    match reason {
+        Reason::Sample { record, sample } => {
+            format!("line {}{}", lines(*record, &[*sample]), of(*record))
+        }
+        Reason::Samples { record, samples } => {
+            format!("lines {}{} together", lines(*record, samples), of(*record))
+        }
+        Reason::Met => "all samples are met".to_owned(),
+        Reason::Budget => "not divided further".to_owned(),
+        Reason::Stopped => "not enclosed to the end".to_owned(),
+    }
+}
+
+/// What is drawn.
+fn figures(model: &Model, found: &Findings) -> Identification {
+    let pair = |x: Interval| (x.lo(), x.hi());
+    let bounds = found.params(model);
+    let params = model.params.iter().zip(bounds);
+    let params = params.map(|(param, bounds)| ProvedParameter {
+        quantity: Quantity::new(param.name.as_str(), param.unit.as_str()),
+        prior: pair(param.bounds),
+        outer: (!bounds.outer.is_empty()).then(|| pair(bounds.outer)),
+        inner: bounds.inner.map(pair),
+        tightness: bounds.tightness(),
+    });
+    let tiles = found.identified.tiles.iter();
+    let tiles = tiles.map(|tile| PavingTile {
+        params: tile.params.iter().map(|x| pair(*x)).collect(),
+        status: match tile.status {
+            Status::Inside => TileStatus::Inside,
+            Status::Outside => TileStatus::Outside,
+            Status::Undecided => TileStatus::Undecided,
+        },
+    });
+    Identification {
+        title: model.name.clone(),
+        params: params.collect(),
+        tiles: tiles.collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::told::tests::{data, found, model};
+    use super::*;
+    use std::fs;
+    use veribound_data::{FileInfo, Platform, Program};
+
+    fn info() -> RunInfo {
+        RunInfo {
+            program: Program {
+                version: String::new(),
+                command: Vec::new(),
+            },
+            platform: Platform::current(),
+            model: FileInfo {
+                path: String::new(),
+                sha256: String::new(),
+            },
+            record: None,
+            records: Vec::new(),
+            profile: None,
+            start: Vec::new(),
+            overlay: None,
+            options: toml::Table::new(),
+        }
+    }
+
+    fn names(folder: &std::path::Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        let mut names: Vec<String> = entries
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn every_file_is_there_and_says_why() {
+        let place = tempfile::tempdir().unwrap();
+        let (model, data, mut found) = (model(), data(place.path(), &[5, 3]), found());
+        let out = place.path().join("out");
+        let folder = ResultFolder::create(&out).unwrap();
+        let formats = [Format::Svg];
+        let info = info();
+        let run = (&info, "{}");
+        write((&folder, &formats), (&model, &data, &found), run).unwrap();
+        let files = [
+            "fig",
+            "paving.csv",
+            "points.csv",
+            "run.toml",
+            "summary.json",
+        ];
+        assert_eq!(names(&out), files);
+        assert_eq!(names(&out.join("fig")), ["bounds.svg", "paving_k_c.svg"]);
+        let second = data.name(1);
+        let third = "-0.333333333333333314829616256247390992939472198486328125";
+        assert_eq!(
+            fs::read_to_string(out.join("paving.csv")).unwrap(),
+            format!(
+                "k.lo,k.hi,c.lo,c.hi,status,reason\n0,1.5,-0.5,0.3,outside,line 4\n\
+                 1.5,4,-0.5,{third},outside,lines 2 3 of {second} together\n\
+                 1.5,2,{third},0.3,inside,all samples are met\n2,4,-0.5,0.3,undecided,not divided further\n\
+                 0,1.5,-0.5,0.3,undecided,not enclosed to the end\n"
+            )
+            .replace("line 4\n", &format!("line 4 of {}\n", data.name(0)))
+        );
+        assert_eq!(
+            fs::read_to_string(out.join("points.csv")).unwrap(),
+            "point,k.lo,k.hi,c.lo,c.hi\n1,1.75,1.75,-0.333333333334,-0.333333333333\n"
+        );
+        // Without a paving nothing of an earlier one is left.
+        found.identified.tiles.clear();
+        write((&folder, &formats), (&model, &data, &found), run).unwrap();
+        assert_eq!(
+            names(&out),
+            ["fig", "points.csv", "run.toml", "summary.json"]
+        );
+        assert_eq!(names(&out.join("fig")), ["bounds.svg"]);
+    }
+}

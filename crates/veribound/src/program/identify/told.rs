@@ -1,0 +1,463 @@
+//! What the user is told of an identification.
+
+use super::super::numbers::{counted, show_inside, show_prior, show_reached, show_times};
+use super::super::table::{Part, push_parts};
+use super::verdict::{in_words, refuted_by};
+use super::{Data, Findings};
+use std::fmt::Write as _;
+use std::path::Path;
+use veribound_data::{
+    IdentifiedParameter, IdentifiedStart, IdentifiedState, IdentifiedSummary, IdentifiedWork,
+    Paving, RefutedTogether,
+};
+use veribound_estimate::identify::{Bounds, Conclusion, Limit, Status};
+use veribound_interval::Interval;
+use veribound_interval::text::{lower, upper};
+use veribound_model::Model;
+
+/// The content of `summary.json`.
+pub fn summary(
+    model: &Model,
+    data: &Data,
+    found: &Findings,
+    assumptions: Vec<String>,
+) -> IdentifiedSummary {
+    let (verdict, reason) = in_words(found);
+    let identified = &found.identified;
+    let refutation = match &identified.conclusion {
+        Conclusion::Inconsistent(refuted) => Some(RefutedTogether::new(
+            data.name(refuted.record),
+            (
+                refuted.samples.clone(),
+                data.lines(refuted.record, &refuted.samples),
+            ),
+            (&refuted.time, refuted.line),
+        )),
+        _ => None,
+    };
+    let params = found.params(model);
+    let parameters = model.params.iter().zip(&params).enumerate();
+    let parameters = parameters.map(|(at, (param, bounds))| {
+        let limit = identified.limits.get(at).map(|limit| match limit {
+            Limit::Record => "record",
+            Limit::Budget => "sets",
+            Limit::Enclosure => "enclosure",
+        });
+        let entry = IdentifiedParameter::new(
+            param,
+            (bounds.outer, bounds.inner),
+            bounds.tightness(),
+            limit,
+        );
+        (param.name.clone(), entry)
+    });
+    let starts = (0..data.records.len()).map(|record| {
+        let bounds = found.start(model, record);
+        let states = model.states.iter().zip(&bounds).map(|(state, bounds)| {
+            let both = (bounds.outer, bounds.inner);
+            let entry = IdentifiedState::new(state, both, bounds.tightness());
+            (state.name.clone(), entry)
+        });
+        IdentifiedStart {
+            record: data.name(record),
+            states: states.collect(),
+        }
+    });
+    let [inside, undecided] = shares(model, found);
+    IdentifiedSummary {
+        verdict,
+        reason,
+        refutation,
+        samples: data.count(),
+        parameters: parameters.collect(),
+        starts: starts.collect(),
+        paving: (!identified.tiles.is_empty())
+            .then(|| Paving::new(identified.tiles.len(), inside, undecided)),
+        points: identified.points.len(),
+        work: IdentifiedWork {
+            wall_s: found.seconds,
+            sets: identified.sets,
+            passes: identified.passes,
+        },
+        interrupted: identified.interrupted,
+        assumptions,
+        missing: missing(data),
+    }
+}
+
+/// Missing values of all records together, in the order in which records tell of them.
+fn missing(data: &Data) -> Vec<(String, usize)> {
+    let mut all: Vec<(String, usize)> = Vec::new();
+    for (name, count) in data.records.iter().flat_map(|record| record.missing()) {
+        match all.iter_mut().find(|(known, _)| known == name) {
+            Some((_, sum)) => *sum += count,
+            None => all.push((name.clone(), *count)),
+        }
+    }
+    all
+}
+
+/// The volumes of the tiles inside and of those undecided, as shares of the outer box; parameters that are known
+/// exactly do not count.
+fn shares(model: &Model, found: &Findings) -> [Interval; 2] {
+    let outer: Vec<Interval> = found.params(model).iter().map(|both| both.outer).collect();
+    let width = |x: Interval| Interval::point(x.hi()) - Interval::point(x.lo());
+    let is_bounded = |list: &[Interval]| list.iter().all(|x| !x.is_empty() && x.is_bounded());
+    let share = |params: &[Interval]| {
+        if !is_bounded(params) || !is_bounded(&outer) {
+            return Interval::ENTIRE;
+        }
+        let widths = params
+            .iter()
+            .zip(&outer)
+            .filter(|(_, whole)| whole.lo() < whole.hi());
+        widths.fold(Interval::ONE, |share, (part, whole)| {
+            share * (width(*part) / width(*whole))
+        })
+    };
+    [Status::Inside, Status::Undecided].map(|status| {
+        let tiles = found.identified.tiles.iter();
+        tiles
+            .filter(|tile| tile.status == status)
+            .fold(Interval::ZERO, |sum, tile| sum + share(&tile.params))
+    })
+}
+
+/// Verdict, bounds of parameters and start states from both sides, and what limits them.
+pub fn table(
+    model: &Model,
+    data: &Data,
+    found: &Findings,
+    (folder, figures): (&Path, bool),
+) -> String {
+    let mut out = String::new();
+    let identified = &found.identified;
+    let verdict = match (&identified.conclusion, identified.interrupted) {
+        (Conclusion::Inconsistent(_), _) => "inconsistent (proved)",
+        (Conclusion::Consistent, false) => "consistent",
+        (Conclusion::Consistent, true) => "consistent, interrupted",
+        (Conclusion::Undecided, false) => "undecided",
+        (Conclusion::Undecided, true) => "interrupted",
+    };
+    let records = match data.records.len() {
+        1 => String::new(),
+        count => format!(" of {count} records"),
+    };
+    // Writing to a String cannot fail.
+    let _ = writeln!(
+        out,
+        "  {verdict}   {}{records} in {:.2} s   {}, {}",
+        counted(data.count(), "sample", "samples"),
+        found.seconds,
+        counted(identified.sets, "set", "sets"),
+        counted(identified.passes, "pass", "passes"),
+    );
+    match &identified.conclusion {
+        Conclusion::Inconsistent(refuted) => {
+            let _ = writeln!(out, "  {}", refuted_by(data, refuted));
+        }
+        Conclusion::Undecided => {
+            let _ = writeln!(out, "  {}", in_words(found).1.unwrap_or_default());
+        }
+        Conclusion::Consistent => {}
+    }
+    if !matches!(identified.conclusion, Conclusion::Inconsistent(_)) {
+        push_bounds(&mut out, model, data, found);
+    }
+    let paving = if identified.tiles.is_empty() {
+        ""
+    } else {
+        let [inside, undecided] = shares(model, found);
+        let _ = writeln!(
+            out,
+            "  paving: {}   inside at least {} %, undecided at most {} % of the outer box",
+            counted(identified.tiles.len(), "tile", "tiles"),
+            lower(100.0 * inside.lo().max(0.0), 3),
+            upper(100.0 * undecided.hi(), 3),
+        );
+        "paving.csv, "
+    };
+    let figures = if figures { ", figures in fig/" } else { "" };
+    let _ = writeln!(
+        out,
+        "  results in {}: summary.json, points.csv, {paving}run.toml{figures}",
+        folder.display()
+    );
+    out
+}
+
+fn push_bounds(out: &mut String, model: &Model, data: &Data, found: &Findings) {
+    let row = |name: &str, prior: Interval, both: &Bounds, unit: &str, limit: &str| {
+        [
+            name.to_owned(),
+            show_prior(prior),
+            show_inside(both.outer, prior),
+            show_reached(both.inner),
+            show_times(both.tightness()),
+            unit.to_owned(),
+            limit.to_owned(),
+        ]
+    };
+    let params = found.params(model);
+    let head = ["", "prior", "outer", "inner", "at most", "", "limited by"];
+    let mut rows = vec![head.map(str::to_owned)];
+    for (at, (param, both)) in model.params.iter().zip(&params).enumerate() {
+        let limit = found
+            .identified
+            .limits
+            .get(at)
+            .map_or("", |limit| match limit {
+                Limit::Record => "the record",
+                Limit::Budget => "the number of sets",
+                Limit::Enclosure => "how far solutions are enclosed",
+            });
+        rows.push(row(&param.name, param.bounds, both, &param.unit, limit));
+    }
+    let starts = (0..data.records.len()).map(|record| {
+        let bounds = found.start(model, record);
+        let states = model.states.iter().zip(&bounds);
+        let rows = states.map(|(state, both)| row(&state.name, state.init, both, &state.unit, ""));
+        let above = format!("at the start of {}", data.name(record));
+        (above, rows.collect::<Vec<_>>())
+    });
+    let starts: Vec<_> = starts.collect();
+    let mut parts: Vec<Part<'_, 7>> = vec![(None, &rows)];
+    parts.extend(
+        starts
+            .iter()
+            .map(|(above, rows)| (Some(above.as_str()), rows.as_slice())),
+    );
+    push_parts(out, &parts);
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::super::super::ending::Ending;
+    use super::*;
+    use std::fs;
+    use veribound_data::{Record, RecordOptions};
+    use veribound_estimate::identify::{Identified, Reason, Refuted, Tile};
+    use veribound_interval::Decimal;
+
+    /// A cart with two parameters, `x' = k u`.
+    pub fn model() -> Model {
+        let text = "format = 1\nstates = [\"x [m]\"]\ninit.x = [-1, 1]\ninputs = [\"u [V]\"]\n\
+            params.k = { unit = \"m/(V*s)\", bounds = [0, 4] }\nparams.c = { unit = \"m\", bounds = [-0.5, 0.3] }\n\
+            der.x = \"k * u\"\noutputs.pos = \"x + c +- 0.1 [m]\"\n";
+        Model::from_text("m.toml", text).unwrap()
+    }
+
+    /// Records of so many samples of a cart with `k = 2`, one every 0.1 s.
+    pub fn data(place: &Path, counts: &[usize]) -> Data {
+        let records = counts.iter().enumerate().map(|(number, count)| {
+            let path = place.join(format!("r{number}.csv"));
+            let row = |k: usize| format!("0.{k},1,0.{}\n", 2 * k);
+            let rows: String = (0..*count).map(row).collect();
+            fs::write(&path, format!("t,u,pos\n{rows}")).unwrap();
+            Record::open(&path, &model(), RecordOptions::default()).unwrap()
+        });
+        let records: Vec<Record> = records.collect();
+        Data {
+            samples: { records.iter() }
+                .map(|r| r.all_samples().unwrap())
+                .collect(),
+            records,
+        }
+    }
+
+    fn interval(lo: f64, hi: f64) -> Interval {
+        Interval::new(lo, hi).unwrap()
+    }
+
+    /// What an identification may have found.
+    pub fn found() -> Findings {
+        let third = -1.0 / 3.0;
+        let priors: Vec<Interval> = model().params.iter().map(|param| param.bounds).collect();
+        let (k, c) = (priors[0], priors[1]);
+        let tile = |k: Interval, c: Interval, status: Status, reason: Reason| Tile {
+            params: vec![k, c],
+            status,
+            reason,
+        };
+        let lines = Reason::Samples {
+            record: 1,
+            samples: vec![0, 1],
+        };
+        let one = Reason::Sample {
+            record: 0,
+            sample: 2,
+        };
+        let low = interval(0.0, 1.5);
+        Findings {
+            identified: Identified {
+                conclusion: Conclusion::Consistent,
+                params: vec![
+                    Bounds {
+                        outer: interval(1.652_81, 2.537_49),
+                        inner: Some(interval(1.702_81, 2.502_49)),
+                    },
+                    Bounds {
+                        outer: interval(third, c.hi()),
+                        inner: Some(interval(third / 2.0, third / 2.0)),
+                    },
+                ],
+                starts: vec![
+                    vec![Bounds {
+                        outer: interval(-0.1, 0.2),
+                        inner: Some(interval(0.0, 0.125)),
+                    }],
+                    vec![Bounds {
+                        outer: interval(-0.3, 0.2),
+                        inner: None,
+                    }],
+                ],
+                points: vec![vec![interval(1.75, 1.75), interval(third, third)]],
+                tiles: vec![
+                    tile(low, c, Status::Outside, one),
+                    tile(
+                        interval(1.5, 4.0),
+                        interval(c.lo(), third),
+                        Status::Outside,
+                        lines,
+                    ),
+                    tile(
+                        interval(1.5, 2.0),
+                        interval(third, c.hi()),
+                        Status::Inside,
+                        Reason::Met,
+                    ),
+                    tile(interval(2.0, k.hi()), c, Status::Undecided, Reason::Budget),
+                    tile(low, c, Status::Undecided, Reason::Stopped),
+                ],
+                sets: 12,
+                passes: 30,
+                interrupted: false,
+                limits: vec![Limit::Record, Limit::Budget],
+            },
+            seconds: 1.234,
+            ending: Ending::Done,
+        }
+    }
+
+    fn shown(data: &Data, found: &Findings, place: &Path) -> String {
+        let text = table(&model(), data, found, (Path::new("out"), true));
+        text.replace(&format!("{}/", place.display()), "")
+    }
+
+    #[test]
+    fn the_table_tells_both_sides() {
+        let place = tempfile::tempdir().unwrap();
+        let data = data(place.path(), &[5, 3]);
+        let mut found = found();
+        found.identified.tiles.clear();
+        let wanted = "  consistent   8 samples of 2 records in 1.23 s   12 sets, 30 passes
+      prior         outer             inner             at most             limited by
+  k   [0, 4]        [1.65, 2.54]      [1.71, 2.5]       1.107 x   m/(V*s)   the record
+  c   [-0.5, 0.3]   [-0.334, 0.3]     about -0.166667             m         the number of sets
+  at the start of r0.csv
+  x   [-1, 1]       [-0.101, 0.201]   [0, 0.125]        2.401 x   m
+  at the start of r1.csv
+  x   [-1, 1]       [-0.3, 0.201]                                 m
+  results in out: summary.json, points.csv, run.toml, figures in fig/
+";
+        assert_eq!(shown(&data, &found, place.path()), wanted);
+    }
+
+    #[test]
+    fn the_table_tells_why_there_are_no_bounds() {
+        let place = tempfile::tempdir().unwrap();
+        let data = data(place.path(), &[5]);
+        let mut found = found();
+        found.identified.conclusion = Conclusion::Inconsistent(Refuted {
+            record: 0,
+            samples: vec![1, 3],
+            time: Decimal::parse("0.3").unwrap(),
+            line: 5,
+        });
+        found.identified.tiles.clear();
+        assert_eq!(
+            shown(&data, &found, place.path()),
+            "  inconsistent (proved)   5 samples in 1.23 s   12 sets, 30 passes\n  nothing agrees with r0.csv up \
+             to t = 0.3 s (line 5); lines 3 and 5 refute together\n  results in out: summary.json, points.csv, \
+             run.toml, figures in fig/\n"
+        );
+        // Nothing was found at all.
+        found.identified = Identified {
+            conclusion: Conclusion::Undecided,
+            params: Vec::new(),
+            starts: Vec::new(),
+            points: Vec::new(),
+            limits: Vec::new(),
+            sets: 1,
+            ..found.identified
+        };
+        let told = shown(&data, &found, place.path());
+        let reason = "  1 set was looked at, and no point is proved to agree with the record\n";
+        assert!(told.contains(reason), "{told}");
+        assert!(told.contains("  k   [0, 4]        [0, 4]"), "{told}");
+    }
+
+    #[test]
+    fn a_paving_is_told_in_shares_of_the_outer_box() {
+        let place = tempfile::tempdir().unwrap();
+        let data = data(place.path(), &[5]);
+        let mut found = found();
+        let tile = |lo: f64, hi: f64, status: Status| Tile {
+            params: vec![interval(lo, hi), interval(-0.5, 0.25)],
+            status,
+            reason: Reason::Met,
+        };
+        found.identified.params = vec![
+            Bounds {
+                outer: interval(1.0, 3.0),
+                inner: None,
+            },
+            Bounds {
+                outer: interval(-0.5, 0.25),
+                inner: None,
+            },
+        ];
+        found.identified.tiles = vec![
+            tile(0.0, 1.0, Status::Outside),
+            tile(1.0, 2.75, Status::Inside),
+            tile(2.75, 3.0, Status::Undecided),
+            tile(3.0, 4.0, Status::Outside),
+        ];
+        let told = shown(&data, &found, place.path());
+        let line = "  paving: 4 tiles   inside at least 87.4 %, undecided at most 12.5 % of the outer box\n";
+        assert!(
+            told.contains(line) || told.contains(&line.replace("87.4", "87.5")),
+            "{told}"
+        );
+        assert!(told.contains("points.csv, paving.csv, run.toml"), "{told}");
+        // No bounds, no shares.
+        found.identified.params[0].outer = Interval::ENTIRE;
+        let [inside, undecided] = shares(&model(), &found);
+        assert_eq!((inside, undecided), (Interval::ENTIRE, Interval::ENTIRE));
+    }
+
+    #[test]
+    fn the_summary_tells_all_of_it() {
+        let place = tempfile::tempdir().unwrap();
+        let data = data(place.path(), &[5, 3]);
+        let json = summary(&model(), &data, &found(), vec!["x".to_owned()]);
+        let json = json.to_json().unwrap();
+        let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+        assert_eq!(json["verdict"], "consistent");
+        assert_eq!((&json["samples"], &json["points"]), (&8.into(), &1.into()));
+        let k = &json["parameters"]["k"];
+        assert_eq!(k["limited_by"], "record");
+        assert_eq!(k["inner"]["lo"], 1.702_81);
+        assert!(k["tightness"].as_f64().unwrap() >= 0.884_68 / 0.799_68);
+        let c = &json["parameters"]["c"];
+        assert_eq!(c["tightness"], serde_json::Value::Null);
+        assert_eq!(c["hi"], 0.3);
+        assert_eq!(json["starts"][1]["record"], data.name(1));
+        assert_eq!(
+            json["starts"][1]["states"]["x"]["inner"],
+            serde_json::Value::Null
+        );
+        assert_eq!(json["paving"]["tiles"], 5);
+        assert_eq!(json["work"]["sets"], 12);
+    }
+}

@@ -1,0 +1,94 @@
+//! Records that a run reads, and what is said of them.
+
+use super::arguments::Reading;
+use super::{message, progress};
+use std::fs;
+use std::path::Path;
+use veribound_data::{Record, RecordOptions};
+use veribound_model::diagnostic::Diagnostics;
+use veribound_model::{Coverage, Model};
+
+/// Opens a record as the flags say, with a bar for large ones.
+pub fn open(
+    path: &Path,
+    model: &Model,
+    reading: &Reading,
+    quiet: bool,
+) -> Result<Record, Diagnostics> {
+    let columns = reading.column.iter();
+    let options = RecordOptions {
+        time: reading.time.clone(),
+        columns: columns
+            .map(|flag| (flag.variable.clone(), flag.column.clone()))
+            .collect(),
+        from: reading.from.clone(),
+        to: reading.to.clone(),
+    };
+    let bytes = fs::metadata(path).map_or(0, |file| file.len());
+    let bar = progress::of_parts(bytes, "of the record checked", quiet);
+    let mut watch = |bytes| bar.set_position(bytes);
+    let record = Record::open_watched(path, model, options, &mut watch);
+    bar.finish_and_clear();
+    record
+}
+
+/// What a run with these records assumes beside the model file and the flags that weaken it.
+pub fn assumed(model: &Model, records: &[Record], reading: &Reading) -> Vec<String> {
+    let mut said = Vec::new();
+    for record in records {
+        said.extend(record.conversions().iter().cloned());
+        said.extend(record.warnings().iter().cloned());
+        if let Some(from) = &reading.from {
+            said.push(format!(
+                "the start intervals of the model file hold at t = {} s, the first sample from {from} s on \
+                 (--from)",
+                record.first()
+            ));
+        }
+    }
+    // Records of one kind are converted alike.
+    let mut known = std::collections::BTreeSet::new();
+    said.retain(|change| known.insert(change.clone()));
+    if let Coverage::Unproved(place) = &model.coverage {
+        said.push(format!(
+            "the guards of the modes leave no gap, which is not proved: {place}"
+        ));
+    }
+    said
+}
+
+/// Says what a reader of the results should know. Numbers in other units are a likely mistake and
+/// never kept back.
+pub fn remarks(records: &[Record], said: &[String], quiet: bool) {
+    for change in said {
+        let mut warnings = records.iter().flat_map(|record| record.warnings());
+        if warnings.any(|warning| warning == change) {
+            message::remark(&format!("warning: {change}"));
+        } else if !quiet {
+            message::remark(&format!("note: {change}"));
+        }
+    }
+    if quiet {
+        return;
+    }
+    for record in records {
+        let of = match records {
+            [_] => String::new(),
+            _ => format!("{}: ", record.path().display()),
+        };
+        if let Some(hint) = record.hint() {
+            message::remark(&format!("note: {of}{hint}"));
+        }
+        for (name, count) in record.missing() {
+            let values = if *count == 1 { "value" } else { "values" };
+            message::remark(&format!("note: {of}{name}: {count} {values} missing"));
+        }
+        let ignored = record.ignored_columns();
+        if !ignored.is_empty() {
+            message::remark(&format!(
+                "note: {of}columns not used: {}",
+                ignored.join(", ")
+            ));
+        }
+    }
+}
