@@ -99,8 +99,8 @@ pub(super) struct Journey<'a> {
     /// It is a failure when the share of a width that is no function of the unknowns passes this.
     pub(super) most: f64,
     pub(super) proved: Proved,
-    /// Asked at every step whether to go on, with the time reached.
-    pub(super) go_on: &'a dyn Fn(f64) -> bool,
+    /// Asked at every step whether to go on.
+    pub(super) go_on: &'a dyn Fn(&Form) -> bool,
     /// Whether outputs are told, too.
     tells_outputs: bool,
     pub(super) acting: Option<Acting>,
@@ -198,7 +198,7 @@ impl<'a> Journey<'a> {
                 continue;
             }
             let known = self.proved.len();
-            let mut moved = if (self.go_on)(self.form.elapsed.mid()) {
+            let mut moved = if (self.go_on)(&self.form) {
                 self.step_on()
             } else {
                 Err(Obstacle::Interrupted)

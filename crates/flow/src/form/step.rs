@@ -39,6 +39,8 @@ pub enum Obstacle {
     Interrupted,
     /// Comparison bounds end: the right-hand side is not proved to be monotone.
     NotMonotone,
+    /// Comparison bounds end: they would take many times the work of forms.
+    Costly,
 }
 
 /// Scratch for steps of one shape of forms.
