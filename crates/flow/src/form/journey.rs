@@ -21,6 +21,7 @@ use super::step::{Arrival, End, Obstacle, Prepared, Scratch};
 use super::surfaces::Signs;
 use crate::step::Workspace;
 use veribound_interval::Interval;
+use veribound_model::Level;
 
 /// Shortest step, as share of the time to go.
 const SHORTEST: f64 = 1e-7;
@@ -391,9 +392,10 @@ impl<'a> Journey<'a> {
     /// What is held has its value, for all.
     pub(super) fn hold(&self, regime: &Regime, arrival: &mut Arrival) {
         let n = arrival.states.len();
+        let surfaces = &self.flow.switching.surfaces.list;
         for (surface, signs) in regime.signs.iter().enumerate() {
             if *signs == Signs::ZERO
-                && let Some((state, value, _)) = self.flow.level(surface)
+                && let Some(Level { state, value, .. }) = surfaces[surface].level
             {
                 arrival.states[state].fill(0.0);
                 arrival.states[state][0] = value.mid();

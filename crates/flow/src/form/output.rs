@@ -33,7 +33,7 @@ impl Output {
 
     pub(super) fn compile(graph: &mut Graph, states: usize, expr: ExprId) -> Output {
         let expr = graph.elementary(expr);
-        let code = Code::compile(graph, states, &[expr], &[]);
+        let code = Code::compile(graph, &vec![false; states], &[expr], &[]);
         let functions = Functions::of(&code);
         Output { code, functions }
     }

@@ -281,7 +281,9 @@ impl Piece {
             }
         }
         let states = self.code.states.iter().copied();
-        let rates: Vec<(usize, usize)> = states.zip(self.rates.iter().copied()).collect();
+        let rates = states.zip(self.rates.iter().copied());
+        let moves = |(state, _): &(usize, usize)| self.code.instructions[*state].moving;
+        let rates: Vec<(usize, usize)> = rates.filter(moves).collect();
         let done = Interval8::run(Recursion {
             series,
             context: (&self.code, &form.monomials, &self.functions),
