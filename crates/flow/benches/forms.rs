@@ -286,6 +286,62 @@ fn run(case: &Case, flow: &Flow, options: FormOptions, effort: Effort) -> Enclos
     flow.enclose(&start, &params, &stretches, options, effort)
 }
 
+/// A chain of so many masses between springs, each with dry friction.
+fn chain(masses: usize) -> String {
+    format!(
+        "format = 1\nstates = [\"x{{i=1..n}}\", \"v{{i=1..n}}\"]\ninputs = [\"F\"]\noutputs.y = \"x1 +- 1\"\n\
+         params = {{ k = [99, 101], T = [0.98, 1.02] }}\n[sizes]\nn = {masses}\n[init]\n\"x{{i=1..n}}\" = 0\n\"v{{i=1..n}}\" = 0\n\
+         [let]\n\"pull1\" = \"F + k*(x2 - x1)\"\n\"pull{{i=2..n-1}}\" = \"k*(x{{i-1}} - 2*x{{i}} + x{{i+1}})\"\n\
+         \"pull{{n}}\" = \"k*(x{{n-1}} - x{{n}})\"\n[der]\n\"x{{i=1..n}}\" = \"v{{i}}\"\n\
+         \"v{{i=1..n}}\" = \"pull{{i}} - friction(v{{i}}, pull{{i}}, T)\"\n"
+    )
+}
+
+/// How long a step takes in chains of more and more masses, and by what power of their number it grows.
+fn chains(options: FormOptions, effort: Effort) {
+    let mut before: Option<(usize, f64)> = None;
+    for masses in [2, 5, 10, 20, 50] {
+        let name = format!("chain of {masses}");
+        let model = Model::from_text(&name, chain(masses));
+        let model = model.unwrap_or_else(|problems| panic!("{}", problems.render(false)));
+        let flow = Flow::new(&model);
+        let start = vec![Interval::ZERO; 2 * masses];
+        let params = [between(["99", "101"]), between(["0.98", "1.02"])];
+        // Pulled for a while, then let go.
+        let stretches = (0..40).map(|k| Stretch {
+            inputs: vec![decimal(if k < 20 { "3" } else { "0" })],
+            dt: decimal("0.01"),
+        });
+        let stretches: Vec<Stretch> = stretches.collect();
+        let begin = (Instant::now(), processor_time());
+        let last = flow.enclose(&start, &params, &stretches, options, effort);
+        let seconds = seconds_since(begin);
+        let each = seconds * 1e3 / last.steps as f64;
+        let power = before.map_or(String::new(), |(fewer, less)| {
+            let power = (each / less).ln() / (masses as f64 / fewer as f64).ln();
+            format!(", power {power:.2}")
+        });
+        let reached = last.ends.len();
+        let widest = last.ends.last().map_or(f64::NAN, |end| {
+            end.iter().map(|x| x.width()).fold(0.0, f64::max)
+        });
+        println!(
+            "{name:18} {each:9.3} ms a step, {} steps, {seconds:.2} s, {reached} of 40 stretches, widest {widest:.2e}{power}",
+            last.steps
+        );
+        before = Some((masses, each));
+    }
+}
+
+type Begin = (Instant, Option<f64>);
+
+fn seconds_since(begin: Begin) -> f64 {
+    match (begin.1, processor_time()) {
+        (Some(from), Some(to)) => to - from,
+        _ => begin.0.elapsed().as_secs_f64(),
+    }
+}
+
 /// Seconds this thread has been on a processor, where the system tells.
 fn processor_time() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
@@ -330,11 +386,7 @@ fn main() {
             last = run(&case, &flow, options, effort);
             count += 1;
         }
-        let spent = match (begin.1, processor_time()) {
-            (Some(from), Some(to)) => to - from,
-            _ => begin.0.elapsed().as_secs_f64(),
-        };
-        let milliseconds = spent * 1e3 / f64::from(count + 1);
+        let milliseconds = seconds_since(begin) * 1e3 / f64::from(count + 1);
         println!(
             "{:18} {milliseconds:9.2} ms of {} ms",
             case.name, case.milliseconds
@@ -355,5 +407,8 @@ fn main() {
                 last.parts.len(),
             );
         }
+    }
+    if chosen.is_empty() || chosen.iter().any(|text| "chain".contains(&text[..])) {
+        chains(options, effort);
     }
 }

@@ -50,7 +50,7 @@ impl Engine {
             &self.flow,
             (start, params),
             stretches,
-            (options, effort),
+            (options, effort, f64::INFINITY),
             &|_| true,
         )
     }

@@ -144,8 +144,35 @@ fn the_choice_follows_the_order() {
     // Asked for where there is no order, comparison bounds prove nothing and say why.
     let none = cases()[2].ask(Engine::Comparison);
     assert!(none.enclosure.ends.is_empty() && !none.disorders.is_empty());
+    assert_eq!(
+        (none.enclosure.outputs.len(), none.enclosure.parts.len()),
+        (1, 1)
+    );
     let stopped = none.enclosure.stopped.map(|stopped| stopped.obstacle);
     assert_eq!(stopped, Some(Obstacle::NotMonotone));
+}
+
+/// Two corners through 64 pieces, several times, are not worth it where one step of forms does.
+#[test]
+fn the_choice_never_costs_many_times_what_forms_cost() {
+    for case in cases() {
+        let mut case = case;
+        case.stretches.truncate(1);
+        let engines = case.engines();
+        let cost = |engine: Engine| {
+            let cost = std::cell::Cell::new(0.0);
+            let answer = engines.enclose(engine, case.task(), &|standing: Standing| {
+                if standing.unknowns > 0 {
+                    cost.set(cost.get() + standing.cost);
+                }
+                true
+            });
+            case.contains(&answer);
+            cost.get()
+        };
+        let (forms, auto) = (cost(Engine::Forms), cost(Engine::Auto));
+        assert!(auto <= 6.0 * forms, "{auto} {forms}");
+    }
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 mod derivative;
 mod elementary;
@@ -400,10 +400,11 @@ impl Graph {
 
     /// The nodes that `roots` need, operands first.
     pub fn reachable(&self, roots: &[ExprId]) -> Vec<ExprId> {
-        let mut needed = vec![false; self.nodes.len()];
+        // What a small part of a large graph needs is found without a look at the rest.
+        let mut needed: HashSet<ExprId> = HashSet::new();
         let mut open: Vec<ExprId> = roots.to_vec();
         while let Some(e) = open.pop() {
-            if std::mem::replace(&mut needed[e.index()], true) {
+            if !needed.insert(e) {
                 continue;
             }
             match *self.node(e) {
@@ -413,10 +414,9 @@ impl Graph {
                 Node::Choose(Choice { test, yes, no }) => open.extend([test, yes, no]),
             }
         }
-        (0..self.nodes.len() as u32)
-            .map(ExprId)
-            .filter(|e| needed[e.index()])
-            .collect()
+        let mut list: Vec<ExprId> = needed.into_iter().collect();
+        list.sort_unstable();
+        list
     }
 
     /// Every quantity `e` depends on, sorted.

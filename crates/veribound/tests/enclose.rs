@@ -261,6 +261,38 @@ fn engines_are_chosen_and_told() {
     }
 }
 
+/// An engine that can prove nothing says so, with what is known at the start.
+#[test]
+fn an_engine_that_proves_nothing_is_no_error() {
+    let place = Place::new();
+    for (name, times) in [("quarter-car", "0.02"), ("belt", "0.02"), ("valve", "0.02")] {
+        let folder = support::example(name);
+        let model = folder.join("model.toml").display().to_string();
+        let mut flags = format!("--until {times} --every {times} --engine comparison --sample 2");
+        let profile = folder.join("profile.csv");
+        if profile.exists() {
+            flags = format!("{flags} --input {}", profile.display());
+        }
+        let said = enclose(&place, &model, &flags).ended(3).err;
+        assert!(
+            said.contains("the right-hand side is not proved to be monotone")
+                && said.contains("Nothing is proved beyond the start."),
+            "{said}"
+        );
+        let (table, told) = (place.read("out/tube.csv"), summary(&place));
+        assert_eq!(column(&table, "t"), ["0"]);
+        assert!(column(&table, "modes").iter().all(String::is_empty));
+        assert_eq!(
+            (&told["verdict"], &told["parts"]),
+            (&"undecided".into(), &1.into())
+        );
+        for (state, always) in told["states"].as_object().unwrap() {
+            let (lo, hi) = bounds(&table, state)[0];
+            assert!(lo <= hi && always["lo"].as_f64() == Some(lo), "{state}");
+        }
+    }
+}
+
 /// `x' = -friction(x, 0, 1)` comes to zero and stays there; the table and the strip say which mode acts.
 #[test]
 fn modes_are_told() {

@@ -354,7 +354,8 @@ fn a_check_says_what_was_understood() {
         "stick",
         "prior [-6, -0.05]",
         "(proved)",
-        "engine: forms, and where they are not tight comparison of two corners in phi, not in",
+        "engine: forms, and where they are not tight and it does not take many times as long comparison of two corners in \
+         phi, not in",
     ] {
         assert!(ran.out.contains(part), "no {part:?} in:\n{}", ran.out);
     }

@@ -210,7 +210,7 @@ impl Comparison {
             if !here.signs[surface].has(Signs::ZERO) {
                 continue;
             }
-            let Some(level) = graph.level(self.surfaces.list[surface].expr) else {
+            let Some(level) = self.surfaces.list[surface].level else {
                 continue;
             };
             if level.state == state {

@@ -6,7 +6,8 @@
 
 use super::Comparison;
 use super::order::{Order, Slopes, direction};
-use crate::form::{Effort, Enclosure, Flow, FormOptions, Standing, Stretch};
+use crate::form::{Effort, Enclosure, Flow, FormOptions, Obstacle, Standing, Stretch};
+use std::cell::Cell;
 use veribound_interval::Interval;
 use veribound_model::Var;
 
@@ -111,6 +112,9 @@ pub(super) struct Question<'a> {
     pub(super) params: &'a [Interval],
     options: FormOptions,
     effort: Effort,
+    /// What sets with unknowns may cost, and have cost.
+    most: f64,
+    spent: Cell<f64>,
     go_on: &'a dyn Fn(Standing) -> bool,
 }
 
@@ -122,8 +126,31 @@ impl Question<'_> {
         pieces: &[Stretch],
     ) -> Enclosure {
         let set = (states, params);
-        self.flow
-            .enclose_watched(set, pieces, self.options, self.effort, self.go_on)
+        let go_on = |standing: Standing| {
+            if standing.unknowns > 0 {
+                self.spent.set(self.spent.get() + standing.cost);
+            }
+            self.spent.get() <= self.most && (self.go_on)(standing)
+        };
+        let mut enclosure =
+            self.flow
+                .enclose_watched(set, pieces, self.options, self.effort, &go_on);
+        if let Some(stopped) = &mut enclosure.stopped
+            && stopped.obstacle == Obstacle::Interrupted
+            && self.spent.get() > self.most
+        {
+            stopped.obstacle = Obstacle::Costly;
+        }
+        enclosure
+    }
+
+    /// Whether both corners can be taken through so many pieces.
+    fn affords(&self, order: &Order, pieces: usize) -> bool {
+        let states = order.corner(0, self.states, 1);
+        let params = order.corner(self.states.len(), self.params, 1);
+        let form = self.flow.start(&states, &params, self.options);
+        form.unknowns().is_empty()
+            || self.spent.get() + 2.0 * pieces as f64 * form.cost() <= self.most
     }
 }
 
@@ -153,18 +180,19 @@ impl Known {
 
 impl Comparison {
     /// Encloses all solutions that start in `states` with parameters in `params`, over all stretches, between
-    /// two corners; `flow` is the same model, and `go_on` is asked at every step whether to go on.
+    /// two corners; `flow` is the same model, and `go_on` is asked at every step whether to go on. Sets with unknowns may
+    /// cost `most` ([`Standing::cost`]).
     ///
     /// Guarantee: that of [`Enclosure`]. It ends where the order ends: then [`Enclosure::stopped`] is
     /// [`NotMonotone`](crate::form::Obstacle::NotMonotone), and the last of the disorders tells why.
     ///
-    /// Errors: where no uncertain quantity has a place in an order, why.
+    /// Errors: where no uncertain quantity has a place in an order, or bounds would cost too much, what stands in the way.
     pub fn enclose(
         &self,
         flow: &Flow,
         (states, params): (&[Interval], &[Interval]),
         stretches: &[Stretch],
-        (options, effort): (FormOptions, Effort),
+        (options, effort, most): (FormOptions, Effort, f64),
         go_on: &dyn Fn(Standing) -> bool,
     ) -> Result<Compared, Vec<Disorder>> {
         let question = Question {
@@ -173,6 +201,8 @@ impl Comparison {
             params,
             options,
             effort,
+            most,
+            spent: Cell::new(0.0),
             go_on,
         };
         let mut known = Known {
@@ -192,7 +222,8 @@ impl Comparison {
                 let of = |q: &usize| order.sign[*q] != 0 && known.wide[*q];
                 (0..known.wide.len()).filter(of).collect::<Vec<_>>()
             });
-            let order = order.filter(|_| !corners.is_empty());
+            let worth = |order: &Order| question.affords(order, pieces.list.len());
+            let order = order.filter(|order| !corners.is_empty() && worth(order));
             let Some(order) = order else {
                 let disorders = self.disorders(&known, None);
                 return match found {

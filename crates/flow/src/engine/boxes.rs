@@ -27,6 +27,8 @@ impl Engines {
                 reached: reached.mid(),
                 done: 0,
                 waiting: 0,
+                unknowns: 0,
+                cost: 1.0,
             };
             let mut failed = (!go_on(standing)).then_some((Obstacle::Interrupted, 0));
             if failed.is_none() {

@@ -3,15 +3,22 @@
 //! All prove the same claim, that of [`Enclosure`], so bounds of several of them may be cut with each other, and none
 //! can say what another one refutes. [`Engine::Auto`] takes comparison bounds alone where nothing uncertain is left
 //! out of the order, since these are exact hulls; else forms, cut with comparison bounds where these have corners and
-//! the forms keep too little.
+//! the forms keep too little. Corners that keep unknowns are forms themselves, and they are asked piece by piece, with one
+//! order after the other: they are given up where they are foreseen or found to cost [`WORTH`] times as much as the forms.
 
 mod boxes;
 
 use crate::comparison::{Compared, Comparison, Disorder, Outlook};
-use crate::form::{Effort, Enclosure, Flow, FormOptions, Obstacle, Standing, Stretch};
+use crate::form::{
+    Diverged, Effort, Enclosure, Flow, FormOptions, Obstacle, Part, Standing, Stretch,
+};
+use std::cell::Cell;
 use std::sync::OnceLock;
 use veribound_interval::Interval;
 use veribound_model::Model;
+
+/// Comparison bounds that keep unknowns may cost so many times as much as forms.
+const WORTH: f64 = 4.0;
 
 /// A way to enclose all solutions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -135,7 +142,7 @@ impl Engines {
             Engine::Auto => self.best(task, go_on),
             Engine::Boxes => Answer::of(self.boxes(task, go_on), Engine::Boxes),
             Engine::Forms => Answer::of(self.forms(task, go_on), Engine::Forms),
-            Engine::Comparison => match self.compare(task, go_on) {
+            Engine::Comparison => match self.compare(task, f64::INFINITY, go_on) {
                 Ok(compared) => Answer::compared(compared),
                 Err(disorders) => Answer {
                     disorders,
@@ -151,25 +158,39 @@ impl Engines {
             .enclose_watched(set, task.stretches, task.options, task.effort, go_on)
     }
 
+    /// Comparison bounds, of which corners that keep unknowns may cost `most` ([`Standing::cost`]).
     fn compare(
         &self,
         task: Task<'_>,
+        most: f64,
         go_on: &dyn Fn(Standing) -> bool,
     ) -> Result<Compared, Vec<Disorder>> {
         let set = (task.states, task.params);
-        let settings = (task.options, task.effort);
+        let settings = (task.options, task.effort, most);
         self.comparison()
             .enclose(&self.flow, set, task.stretches, settings, go_on)
     }
 
     /// Nothing proved, since nothing is ordered.
     fn not_ordered(&self, task: Task<'_>) -> Enclosure {
-        let stopped = crate::form::Diverged {
+        let stopped = Diverged {
             obstacle: Obstacle::NotMonotone,
             state: 0,
             reached: Interval::ZERO,
         };
+        let part = Part {
+            states: task.states.to_vec(),
+            params: task.params.to_vec(),
+            passed: 0,
+            end: Vec::new(),
+        };
+        let begin = task.stretches.first().map(|first| {
+            let quantities = [task.states, task.params, &first.inputs].concat();
+            self.flow.outputs_on(&quantities)
+        });
         Enclosure {
+            outputs: begin.into_iter().collect(),
+            parts: vec![part],
             shares: vec![Vec::new(); task.states.len()],
             stopped: Some(stopped),
             ..Enclosure::default()
@@ -180,14 +201,18 @@ impl Engines {
         let outlook = self.outlook(task);
         let mut compared = None;
         if !outlook.corners.is_empty() && outlook.kept.is_empty() {
-            match self.compare(task, go_on) {
+            match self.compare(task, 0.0, go_on) {
                 Ok(exact) if exact.kept.is_empty() && exact.enclosure.stopped.is_none() => {
                     return Answer::compared(exact);
                 }
                 other => compared = Some(other),
             }
         }
-        let forms = self.forms(task, go_on);
+        let spent = Cell::new(0.0);
+        let forms = self.forms(task, &|standing| {
+            spent.set(spent.get() + standing.cost);
+            go_on(standing)
+        });
         let left = |shares: &Vec<(_, f64)>| 1.0 - shares.iter().map(|share| share.1).sum::<f64>();
         let tight = forms.stopped.is_none()
             && forms
@@ -198,8 +223,11 @@ impl Engines {
             .stopped
             .as_ref()
             .is_some_and(|stopped| stopped.obstacle == Obstacle::Interrupted);
-        if compared.is_none() && !tight && !interrupted && !outlook.corners.is_empty() {
-            compared = Some(self.compare(task, go_on));
+        if !interrupted && !tight && !outlook.corners.is_empty() {
+            let keeps = |known: &Result<Compared, _>| !matches!(known, Ok(c) if c.kept.is_empty());
+            if compared.as_ref().is_none_or(keeps) {
+                compared = Some(self.compare(task, WORTH * spent.get(), go_on));
+            }
         }
         let mut answer = Answer::of(forms, Engine::Forms);
         match compared {

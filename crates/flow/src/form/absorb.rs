@@ -10,7 +10,7 @@
     reason = "PROOF: one polynomial per state, one coefficient per monomial, matrices `n * n`"
 )]
 
-use super::frame::{Frame, orthogonal, skewness};
+use super::frame::{Frame, column, orthogonal, skewness};
 use super::outward::{UNIT, raised};
 use super::set::Form;
 use veribound_interval::Interval;
@@ -73,12 +73,12 @@ impl Form {
             products[i] = raised(difference + 2.0 * UNIT * all * fresh.len() as f64, 4);
         }
         let (axes, reach) = self.frame.coordinates();
-        let column = |matrix: &[f64], c: usize, scale: f64| -> Vec<f64> {
+        let scaled = |matrix: &[f64], c: usize, scale: f64| -> Vec<f64> {
             (0..n).map(|i| matrix[i * n + c] * scale).collect()
         };
         let edges = (0..n)
-            .map(|c| column(&linear, c, 1.0))
-            .chain((0..n).map(|c| column(axes, c, reach[c].rad())))
+            .map(|c| scaled(&linear, c, 1.0))
+            .chain((0..n).map(|c| scaled(axes, c, reach[c].rad())))
             .collect();
         let hull = self.frame.hull();
         let mut best: Option<(f64, Vec<f64>, Vec<Interval>)> = None;
@@ -135,19 +135,27 @@ fn within(
     (axes, reach, hull): (&[f64], &[Interval], &[Interval]),
 ) -> Vec<Interval> {
     let unit = Interval::symmetric(1.0);
+    let is_empty = |l: usize| (0..n).all(|i| linear[i * n + l] == 0.0);
+    let full: Vec<usize> = (0..n).filter(|l| !is_empty(*l)).collect();
+    let long: Vec<usize> = (0..n).filter(|l| reach[*l] != Interval::ZERO).collect();
     (0..n)
         .map(|c| {
+            let axis = column(n, q, c);
             let along = |matrix: &[f64], l: usize| {
-                (0..n).fold(Interval::ZERO, |sum, i| {
-                    sum + Interval::point(q[i * n + c]) * Interval::point(matrix[i * n + l])
-                })
+                let parts = axis.iter();
+                let parts = parts.map(|&(i, q)| q * Interval::point(matrix[i * n + l]));
+                parts.fold(Interval::ZERO, |sum, x| sum + x)
             };
             let mut sum = Interval::ZERO;
             let (mut by_frame, mut by_box) = (Interval::ZERO, Interval::ZERO);
-            for l in 0..n {
-                let own = Interval::point(q[l * n + c]);
-                sum += along(linear, l) * unit + own * Interval::symmetric(products[l]);
+            for &l in &full {
+                sum += along(linear, l) * unit;
+            }
+            for &l in &long {
                 by_frame += along(axes, l) * reach[l];
+            }
+            for &(l, own) in &axis {
+                sum += own * Interval::symmetric(products[l]);
                 by_box += own * hull[l];
             }
             sum + by_frame.intersect(by_box)

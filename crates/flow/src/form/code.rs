@@ -39,7 +39,7 @@ pub(super) enum Op {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Instruction {
     pub(super) op: Op,
-    /// Depends on a state, hence changes in time.
+    /// Depends on a state that moves, hence changes in time.
     pub(super) moving: bool,
     /// Depends on a state or a parameter, hence differs over the set.
     pub(super) uncertain: bool,
@@ -58,15 +58,16 @@ pub(super) struct Code {
 }
 
 impl Code {
-    /// Instructions for `primary` and `secondary`, and for every one of `states`.
+    /// Instructions for `primary` and `secondary`, and for every state, of which some stand `still`.
     pub(super) fn compile(
         graph: &mut Graph,
-        states: usize,
+        still: &[bool],
         primary: &[ExprId],
         secondary: &[ExprId],
     ) -> Code {
         let mut roots: Vec<ExprId> = primary.iter().chain(secondary).copied().collect();
-        let variables: Vec<ExprId> = (0..states).map(|i| graph.var(Var::State(i))).collect();
+        let states = 0..still.len();
+        let variables: Vec<ExprId> = states.map(|i| graph.var(Var::State(i))).collect();
         let mut all = [&roots[..], &variables[..]].concat();
         // Slopes of functions bring other functions; the family of each function is small and closed.
         let mut slopes: HashMap<ExprId, ExprId> = HashMap::new();
@@ -107,6 +108,7 @@ impl Code {
             is_primary[e.index()] = true;
         }
         let mut builder = Builder {
+            still,
             instructions: Vec::new(),
             primary: false,
         };
@@ -150,17 +152,18 @@ fn slope_at(graph: &mut Graph, function: Unary, a: ExprId) -> ExprId {
     graph.substitute(slope, &|_| Some(a))
 }
 
-struct Builder {
+struct Builder<'a> {
+    still: &'a [bool],
     instructions: Vec<Instruction>,
     primary: bool,
 }
 
-impl Builder {
+impl Builder<'_> {
     fn emit(&mut self, op: Op) -> usize {
         let of = |a: usize| (self.instructions[a].moving, self.instructions[a].uncertain);
         let (moving, uncertain) = match op {
             Op::Constant(_) | Op::Input(_) => (false, false),
-            Op::State(_) => (true, true),
+            Op::State(i) => (!self.still[i], true),
             Op::Param(_) => (false, true),
             Op::Add(a, b) | Op::Sub(a, b) | Op::Mul(a, b) => {
                 (of(a).0 || of(b).0, of(a).1 || of(b).1)

@@ -107,7 +107,7 @@ mod tests {
             let mut graph = Graph::default();
             let x = graph.var(Var::State(0));
             let call = graph.unary(function, x);
-            let code = Code::compile(&mut graph, 1, &[call], &[]);
+            let code = Code::compile(&mut graph, &[false], &[call], &[]);
             let functions = Functions::of(&code);
             for (constant, linear) in [(0.0, 0.0), (value(0.8), 0.0), (value(0.8), 0.5)] {
                 let mut own = vec![0.0; 12];

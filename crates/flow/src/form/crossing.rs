@@ -44,6 +44,7 @@ use super::set::Form;
 use super::step::{Arrival, End, Prepared};
 use super::surfaces::Signs;
 use veribound_interval::Interval;
+use veribound_model::Level;
 
 /// Windows are longer than they should have to be by the first share, or else by the second.
 const SPARE: [f64; 2] = [0.3, 1.5];
@@ -604,7 +605,13 @@ impl Journey<'_> {
             if !matches!(*signs, Signs::NEGATIVE | Signs::ZERO | Signs::POSITIVE) {
                 continue;
             }
-            let Some((state, value, rising)) = self.flow.level(surface) else {
+            let Some(Level {
+                state,
+                value,
+                rising,
+                ..
+            }) = self.flow.switching.surfaces.list[surface].level
+            else {
                 continue;
             };
             let above = if rising { *signs } else { signs.flipped() };

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::journey::{Journey, Meeting};
-use super::piece::Piece;
+use super::piece::{Piece, Shape};
 use super::proved::Outputs;
 use super::regime::{Field, Regime, Switching};
 use super::run::Stretch;
@@ -35,7 +35,7 @@ pub struct Flow {
 #[derive(Debug)]
 struct Store {
     graph: Graph,
-    pieces: HashMap<(Vec<ExprId>, Vec<ExprId>), Arc<Piece>>,
+    pieces: HashMap<Shape, Arc<Piece>>,
 }
 
 /// A stretch of time could not be proved. It says nothing about the existence of solutions.
@@ -123,7 +123,7 @@ impl Flow {
     }
 
     /// Moves a form through stretches, and shows it to `meet` wherever one begins and at the end of the last;
-    /// `go_on` is asked at every step whether to go on, with the time reached.
+    /// `go_on` is asked at every step whether to go on.
     ///
     /// Guarantee: that of [`Meeting`], for inputs that are any measurable functions in those of the
     /// stretches. What `meet` narrows is narrowed from then on: solutions outside are no longer enclosed. On
@@ -135,7 +135,7 @@ impl Flow {
         form: Form,
         stretches: &[Stretch],
         meet: &mut dyn FnMut(Meeting<'_>),
-        go_on: &dyn Fn(f64) -> bool,
+        go_on: &dyn Fn(&Form) -> bool,
     ) -> Result<(), Diverged> {
         let mut journey = Journey::new(self, form, stretches);
         journey.whole_at_end = true;
@@ -202,16 +202,21 @@ impl Flow {
 
     /// The code of a regime.
     pub(super) fn piece(&self, regime: &Regime) -> Arc<Piece> {
-        let watched: Vec<ExprId> = regime.watches.iter().map(|watch| watch.expr).collect();
-        let key = (regime.rates.clone(), watched);
+        let surfaces = self.switching.surfaces.list.iter().zip(&regime.signs);
+        let held = surfaces.filter(|(_, signs)| **signs == Signs::ZERO);
+        let held = held.filter_map(|(surface, _)| surface.level);
+        let shape = Shape {
+            rates: regime.rates.clone(),
+            watched: regime.watches.iter().map(|watch| watch.expr).collect(),
+            held: held.map(|level| (level.state, level.expr)).collect(),
+        };
         let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
         let store = &mut *store;
-        if let Some(piece) = store.pieces.get(&key) {
+        if let Some(piece) = store.pieces.get(&shape) {
             return Arc::clone(piece);
         }
-        let piece = Piece::compile(&mut store.graph, self.layout, &key.0, &key.1);
-        let piece = Arc::new(piece);
-        store.pieces.insert(key, Arc::clone(&piece));
+        let piece = Arc::new(Piece::compile(&mut store.graph, self.layout, &shape));
+        store.pieces.insert(shape, Arc::clone(&piece));
         piece
     }
 
@@ -224,16 +229,6 @@ impl Flow {
             _ => None,
         });
         inputs.collect()
-    }
-
-    /// The state that a surface compares with a number, that number, and whether the surface is positive
-    /// above it.
-    pub(super) fn level(&self, surface: usize) -> Option<(usize, Interval, bool)> {
-        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
-        let level = store
-            .graph
-            .level(self.switching.surfaces.list[surface].expr)?;
-        Some((level.state, level.value, level.rising))
     }
 }
 

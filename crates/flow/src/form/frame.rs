@@ -70,8 +70,11 @@ impl Frame {
                 if m == Interval::ZERO {
                     continue;
                 }
-                for c in 0..n {
-                    image[i * n + c] += m * Interval::point(self.axes[l * n + c]);
+                let axes = &self.axes[l * n..(l + 1) * n];
+                for (slot, axis) in image[i * n..(i + 1) * n].iter_mut().zip(axes) {
+                    if *axis != 0.0 {
+                        *slot += m * Interval::point(*axis);
+                    }
                 }
             }
         }
@@ -151,15 +154,14 @@ impl Moved {
         };
         let mut y = vec![Interval::ZERO; n];
         for (c, slot) in y.iter_mut().enumerate() {
-            for l in 0..n {
-                let mut entry = Interval::ZERO;
-                for i in 0..n {
-                    entry += Interval::point(axes[i * n + c]) * self.image[i * n + l];
-                }
+            let axis = column(n, &axes, c);
+            for l in (0..n).filter(|l| self.centred[*l] != Interval::ZERO) {
+                let parts = axis.iter().map(|&(i, q)| q * self.image[i * n + l]);
+                let entry = parts.fold(Interval::ZERO, |sum, x| sum + x);
                 *slot += entry * self.centred[l];
             }
-            for i in 0..n {
-                *slot += Interval::point(axes[i * n + c]) * rest[i];
+            for &(i, q) in &axis {
+                *slot += q * rest[i];
             }
         }
         let largest = y.iter().map(|x| x.mag()).fold(0.0, f64::max);
@@ -175,6 +177,13 @@ impl Moved {
             around,
         }
     }
+}
+
+/// What is not zero in column `c` of a matrix, each with its row: of many states most axes stand upright.
+pub(super) fn column(n: usize, matrix: &[f64], c: usize) -> Vec<(usize, Interval)> {
+    let rows = (0..n).map(|i| (i, matrix[i * n + c]));
+    let rows = rows.filter(|(_, x)| *x != 0.0);
+    rows.map(|(i, x)| (i, Interval::point(x))).collect()
 }
 
 /// An upper bound of `d / (1 - d)` with `d` the maximum norm of `Q'Q - I`; `None` unless `d < 1/2`.
@@ -216,6 +225,9 @@ pub(super) fn orthogonal(n: usize, mut edges: Vec<Vec<f64>>) -> Vec<f64> {
         for _ in 0..2 {
             for b in &basis {
                 let along: f64 = v.iter().zip(b).map(|(x, y)| x * y).sum();
+                if along == 0.0 {
+                    continue;
+                }
                 for (x, y) in v.iter_mut().zip(b) {
                     *x -= along * y;
                 }

@@ -21,6 +21,7 @@ use super::step::{Arrival, End, Obstacle, Prepared, Scratch};
 use super::surfaces::Signs;
 use crate::step::Workspace;
 use veribound_interval::Interval;
+use veribound_model::Level;
 
 /// Shortest step, as share of the time to go.
 const SHORTEST: f64 = 1e-7;
@@ -117,8 +118,8 @@ pub(super) struct Journey<'a> {
     /// It is a failure when the share of a width that is no function of the unknowns passes this.
     pub(super) most: f64,
     pub(super) proved: Proved,
-    /// Asked at every step whether to go on, with the time reached.
-    pub(super) go_on: &'a dyn Fn(f64) -> bool,
+    /// Asked at every step whether to go on.
+    pub(super) go_on: &'a dyn Fn(&Form) -> bool,
     /// Shown the form wherever a stretch begins, and at the end of the last one.
     pub(super) meet: Option<&'a mut dyn FnMut(Meeting<'_>)>,
     /// Forms at begins of stretches that the last crossing went over.
@@ -224,7 +225,7 @@ impl<'a> Journey<'a> {
                 continue;
             }
             let known = self.proved.len();
-            let mut moved = if (self.go_on)(self.form.elapsed.mid()) {
+            let mut moved = if (self.go_on)(&self.form) {
                 self.step_on()
             } else {
                 Err(Obstacle::Interrupted)
@@ -445,9 +446,10 @@ impl<'a> Journey<'a> {
     /// What is held has its value, for all.
     pub(super) fn hold(&self, regime: &Regime, arrival: &mut Arrival) {
         let n = arrival.states.len();
+        let surfaces = &self.flow.switching.surfaces.list;
         for (surface, signs) in regime.signs.iter().enumerate() {
             if *signs == Signs::ZERO
-                && let Some((state, value, _)) = self.flow.level(surface)
+                && let Some(Level { state, value, .. }) = surfaces[surface].level
             {
                 arrival.states[state].fill(0.0);
                 arrival.states[state][0] = value.mid();

@@ -190,9 +190,8 @@ impl Journey<'_> {
 /// A form of the same unknowns in which states depend on nothing.
 fn boxed(form: &Form, states: &[Interval]) -> Form {
     let mut form = form.clone();
-    for (state, x) in states.iter().enumerate() {
-        form.put(state, *x);
-    }
+    let all: Vec<Option<Interval>> = states.iter().map(|x| Some(*x)).collect();
+    form.put(&all);
     form
 }
 
@@ -200,25 +199,32 @@ impl Form {
     /// Puts states to their boxes where these are narrower.
     fn restrict(&mut self, states: &[Interval]) {
         let own = self.quick_hull();
-        for (state, (own, known)) in own.iter().zip(states).enumerate() {
-            if known.width() < NARROWER * own.width() {
-                self.put(state, *known);
-            }
+        let both = own.iter().zip(states);
+        let narrower = both.map(|(own, known)| {
+            let is_narrower = known.width() < NARROWER * own.width();
+            is_narrower.then_some(*known)
+        });
+        let narrower: Vec<Option<Interval>> = narrower.collect();
+        if narrower.iter().any(Option::is_some) {
+            self.put(&narrower);
         }
     }
 
-    /// A state lies in `x`, and nothing else is known of it.
-    fn put(&mut self, state: usize, x: Interval) {
+    /// Some states lie in these intervals, and nothing else is known of them.
+    fn put(&mut self, known: &[Option<Interval>]) {
         let n = self.states.len();
         let mut map = vec![Interval::ZERO; n * n];
-        for i in (0..n).filter(|i| *i != state) {
-            map[i * n + i] = Interval::ONE;
-        }
-        let middle = x.mid();
-        self.states[state].fill(0.0);
-        self.states[state][0] = middle;
         let mut more = vec![Interval::ZERO; n];
-        more[state] = x - Interval::point(middle);
+        for (state, known) in known.iter().enumerate() {
+            let Some(x) = known else {
+                map[state * n + state] = Interval::ONE;
+                continue;
+            };
+            let middle = x.mid();
+            self.states[state].fill(0.0);
+            self.states[state][0] = middle;
+            more[state] = *x - Interval::point(middle);
+        }
         self.transport(&map, &vec![0.0; n], &more);
     }
 }

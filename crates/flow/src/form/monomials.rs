@@ -104,6 +104,11 @@ impl Monomials {
         self.starts[m]..self.starts[m + 1]
     }
 
+    /// Number of products of two monomials: what one multiplication of polynomials costs.
+    pub(super) fn products(&self) -> usize {
+        self.pairs.len()
+    }
+
     /// The factors of monomial `c`.
     #[inline(always)]
     pub(super) fn factors(&self, c: usize) -> &[(u32, u32)] {

@@ -52,7 +52,7 @@ impl Output {
             _ => None,
         };
         let expr = graph.elementary(expr);
-        let code = Code::compile(graph, states, &[expr], &[]);
+        let code = Code::compile(graph, &vec![false; states], &[expr], &[]);
         let functions = Functions::of(&code);
         Output {
             state,

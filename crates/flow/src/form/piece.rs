@@ -22,6 +22,15 @@ pub(super) struct Piece {
     pub(super) tape: Tape,
 }
 
+/// What a [`Piece`] is made of.
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
+pub(super) struct Shape {
+    pub(super) rates: Vec<ExprId>,
+    pub(super) watched: Vec<ExprId>,
+    /// States that are held at a number.
+    pub(super) held: Vec<(usize, ExprId)>,
+}
+
 /// Registers of a watched expression.
 #[derive(Debug, Clone)]
 pub(super) struct Probe {
@@ -33,33 +42,38 @@ pub(super) struct Probe {
 }
 
 impl Piece {
-    /// The right-hand side `rates`, with `watched` expressions; both are elementary.
-    pub(super) fn compile(
-        graph: &mut Graph,
-        layout: Layout,
-        rates: &[ExprId],
-        watched: &[ExprId],
-    ) -> Piece {
+    /// The right-hand side of `regime` with what it watches; both are elementary.
+    ///
+    /// States that are held at a number are this number: a form may stand for others, too, but no solution has them.
+    /// So what such states alone move does not move, as most of a chain of masses at rest.
+    pub(super) fn compile(graph: &mut Graph, layout: Layout, regime: &Shape) -> Piece {
+        let held = |var: Var| {
+            let own = regime.held.iter().find(|held| var == Var::State(held.0));
+            own.map(|held| held.1)
+        };
+        let mut insert = |list: &[ExprId]| -> Vec<ExprId> {
+            let list = list.iter();
+            list.map(|e| graph.substitute(*e, &held)).collect()
+        };
+        let (rates, watched) = (&insert(&regime.rates), &insert(&regime.watched));
         let mut entries: Vec<(usize, usize, ExprId)> = Vec::new();
         for (i, rate) in rates.iter().enumerate() {
-            entries.extend(
-                gradient(graph, *rate, layout)
-                    .into_iter()
-                    .map(|(l, e)| (i, l, e)),
-            );
+            entries.extend(gradient(graph, *rate).into_iter().map(|(l, e)| (i, l, e)));
         }
         let mut secondary: Vec<ExprId> = entries.iter().map(|entry| entry.2).collect();
         let mut shapes = Vec::with_capacity(watched.len());
         let mut moving = Vec::with_capacity(2 * watched.len());
         for e in watched {
-            let slopes = gradient(graph, *e, layout);
+            let slopes = gradient(graph, *e);
             let drift = drift(graph, &slopes, &|state| rates[state]);
             secondary.extend([*e, drift]);
             moving.extend([*e, drift]);
             secondary.extend(slopes.iter().map(|(_, slope)| *slope));
             shapes.push(slopes);
         }
-        let code = Code::compile(graph, layout.states, rates, &secondary);
+        let zero = graph.integer(0);
+        let still: Vec<bool> = rates.iter().map(|rate| *rate == zero).collect();
+        let code = Code::compile(graph, &still, rates, &secondary);
         let (own, mut rest) = code.roots.split_at(layout.states);
         let mut take = |count: usize| {
             let (first, others) = rest.split_at(count);
@@ -132,8 +146,13 @@ pub(super) fn drift(
 }
 
 /// The slopes of an expression in the states, those that are not zero.
-pub(super) fn gradient(graph: &mut Graph, e: ExprId, layout: Layout) -> Vec<(usize, ExprId)> {
+pub(super) fn gradient(graph: &mut Graph, e: ExprId) -> Vec<(usize, ExprId)> {
     let zero = graph.integer(0);
-    let all = (0..layout.states).map(|l| (l, graph.derivative(e, Var::State(l))));
+    let variables = graph.variables(e).into_iter();
+    let states = variables.filter_map(|var| match var {
+        Var::State(l) => Some(l),
+        _ => None,
+    });
+    let all = states.map(|l| (l, graph.derivative(e, Var::State(l))));
     all.filter(|(_, slope)| *slope != zero).collect()
 }

@@ -71,17 +71,26 @@ impl Part {
         let mut fixed = vec![false; monomials.variables];
         loop {
             let mut changed = false;
+            // What stands beside the slope of each variable. It only becomes smaller while others are put to
+            // their ends, up to roundings that are paid for below.
+            let mut rests = vec![0.0; monomials.variables];
+            for (a, x) in polynomial.iter().enumerate().skip(1) {
+                if *x == 0.0 {
+                    continue;
+                }
+                for (v, e) in monomials.exponents(a).iter().enumerate() {
+                    if *e > 0 && a != monomials.linear(v) {
+                        rests[v] += f64::from(*e) * x.abs();
+                    }
+                }
+            }
             for (v, is_fixed) in fixed.iter_mut().enumerate() {
                 if *is_fixed || monomials.degree == 0 {
                     continue;
                 }
                 let slope = polynomial[monomials.linear(v)];
-                let rest: f64 = (1..monomials.len())
-                    .filter(|a| *a != monomials.linear(v))
-                    .map(|a| f64::from(monomials.exponents(a)[v]) * polynomial[a].abs())
-                    .sum();
-                let rest = raised(rest, 2 * monomials.len());
-                if slope.abs() > rest || (slope == 0.0 && rest <= 1e-280) {
+                let operations = (2 + monomials.variables) * monomials.len();
+                if slope.abs() > raised(rests[v], operations) {
                     error += put(monomials, &mut polynomial, v, slope.signum());
                     *is_fixed = true;
                     changed = true;
@@ -93,11 +102,13 @@ impl Part {
         }
         let mut above = 0.0;
         for (a, x) in polynomial.iter().enumerate().skip(1) {
-            above += if monomials.is_even(a) {
-                x.max(0.0)
-            } else {
-                x.abs()
-            };
+            if *x != 0.0 {
+                above += if monomials.is_even(a) {
+                    x.max(0.0)
+                } else {
+                    x.abs()
+                };
+            }
         }
         let operations = polynomial.len() + 2;
         let size = polynomial[0].abs() + above;

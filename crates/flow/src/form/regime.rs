@@ -103,7 +103,7 @@ impl Set {
         let mut slopes = Vec::new();
         let mut roots: Vec<ExprId> = set.iter().map(|(_, e)| graph.elementary(*e)).collect();
         for (position, (state, _)) in set.iter().enumerate() {
-            for (from, slope) in gradient(graph, roots[position], layout) {
+            for (from, slope) in gradient(graph, roots[position]) {
                 slopes.push((*state, from));
                 roots.push(slope);
             }

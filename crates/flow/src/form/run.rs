@@ -134,6 +134,10 @@ pub struct Standing {
     pub done: usize,
     /// Number of parts that wait, without the one at hand.
     pub waiting: usize,
+    /// Number of unknowns; where there is none, a single solution is enclosed.
+    pub unknowns: usize,
+    /// About what the next step costs: products of coefficients in one multiplication of polynomials.
+    pub cost: f64,
 }
 
 /// Narrow sets need no more than this degree,
@@ -191,8 +195,8 @@ struct Task<'a> {
     stretches: &'a [Stretch],
     options: FormOptions,
     effort: Effort,
-    /// Asked at every step whether to go on, with the time reached.
-    go_on: &'a dyn Fn(f64) -> bool,
+    /// Asked at every step whether to go on, with the form that will be moved.
+    go_on: &'a dyn Fn(&Form) -> bool,
 }
 
 impl Flow {
@@ -233,16 +237,19 @@ impl Flow {
         let mut widths = vec![-1.0; states.len()];
         result.shares = vec![Vec::new(); states.len()];
         while let Some((part, before)) = open.pop() {
-            let standing = |reached: f64| Standing {
-                reached,
-                done: result.parts.len(),
-                waiting: open.len(),
-            };
             let task = Task {
                 stretches,
                 options,
                 effort,
-                go_on: &|reached| go_on(standing(reached)),
+                go_on: &|form| {
+                    go_on(Standing {
+                        reached: form.elapsed.mid(),
+                        done: result.parts.len(),
+                        waiting: open.len(),
+                        unknowns: form.unknowns.len(),
+                        cost: form.cost(),
+                    })
+                },
             };
             let mut passage = self.best_passage(&part, &task);
             result.steps += passage.proved.steps;

@@ -368,7 +368,7 @@ fn compose(
 pub(super) struct Recursion<'a> {
     pub(super) series: &'a mut Series,
     pub(super) context: (&'a Code, &'a Monomials, &'a Functions),
-    /// State and its rate.
+    /// States that move, each with its rate.
     pub(super) rates: &'a [(usize, usize)],
     /// Highest order, and highest order of what is not primary.
     pub(super) orders: (usize, usize),

@@ -307,6 +307,12 @@ impl Form {
         (orders / 4.0).round().clamp(2.0, 8.0) as usize * 4 - 1
     }
 
+    /// Products of coefficients in one multiplication of polynomials.
+    pub(crate) fn cost(&self) -> f64 {
+        let orders = (self.order + 1) as f64;
+        0.5 * self.monomials.products() as f64 * orders * (orders + 1.0)
+    }
+
     /// Order of the variational equation, which only multiplies what dependence could not keep.
     pub(super) fn slopes(&self) -> usize {
         self.order.min(12)

@@ -42,6 +42,8 @@ pub enum Obstacle {
     Interrupted,
     /// Comparison bounds end: the right-hand side is not proved to be monotone.
     NotMonotone,
+    /// Comparison bounds end: they would take many times the work of forms.
+    Costly,
 }
 
 /// Scratch for steps of one shape of forms.
@@ -282,7 +284,9 @@ impl Piece {
             }
         }
         let states = self.code.states.iter().copied();
-        let rates: Vec<(usize, usize)> = states.zip(self.rates.iter().copied()).collect();
+        let rates = states.zip(self.rates.iter().copied());
+        let moves = |(state, _): &(usize, usize)| self.code.instructions[*state].moving;
+        let rates: Vec<(usize, usize)> = rates.filter(moves).collect();
         let done = Interval8::run(Recursion {
             series,
             context: (&self.code, &form.monomials, &self.functions),

@@ -5,7 +5,7 @@
 )]
 
 use veribound_interval::Interval;
-use veribound_model::{ExprId, Graph, Guard, Model, Relation, Var};
+use veribound_model::{ExprId, Graph, Guard, Level, Model, Relation, Var};
 
 /// The signs that an expression can have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,6 +125,8 @@ pub(crate) struct Surface {
     pub(crate) gradient: Vec<(usize, ExprId)>,
     /// The inputs it depends on.
     pub(crate) inputs: Vec<usize>,
+    /// Where it compares a state with a number.
+    pub(crate) level: Option<Level>,
 }
 
 /// All surfaces of a model, and its guards in terms of them.
@@ -145,7 +147,7 @@ impl Surfaces {
         let mut all = |guards: Vec<&Guard>| -> Vec<Formula> {
             let formulas = guards.into_iter();
             formulas
-                .map(|guard| formula(guard, graph, model, &mut list))
+                .map(|guard| formula(guard, graph, &mut list))
                 .collect()
         };
         let (modes, jumps) = (all(modes), all(jumps));
@@ -153,11 +155,11 @@ impl Surfaces {
     }
 }
 
-fn formula(guard: &Guard, graph: &mut Graph, model: &Model, list: &mut Vec<Surface>) -> Formula {
+fn formula(guard: &Guard, graph: &mut Graph, list: &mut Vec<Surface>) -> Formula {
     let mut parts = |parts: &[Guard], list: &mut Vec<Surface>| -> Vec<Formula> {
         parts
             .iter()
-            .map(|part| formula(part, graph, model, list))
+            .map(|part| formula(part, graph, list))
             .collect()
     };
     match guard {
@@ -191,7 +193,8 @@ fn formula(guard: &Guard, graph: &mut Graph, model: &Model, list: &mut Vec<Surfa
                 });
             let inputs = inputs.collect();
             list.push(Surface {
-                gradient: super::piece::gradient(graph, expr, model.layout()),
+                gradient: super::piece::gradient(graph, expr),
+                level: graph.level(expr),
                 expr,
                 inputs,
             });

@@ -42,7 +42,8 @@ pub fn plan(model: &Model, outlook: &Outlook) -> String {
             names(&outlook.corners)
         ),
         (false, false, reason) => format!(
-            "engine: forms, and where they are not tight comparison of two corners in {}, not in {}{}",
+            "engine: forms, and where they are not tight and it does not take many times as long comparison of two corners in {}, \
+             not in {}{}",
             names(&outlook.corners),
             names(&outlook.kept),
             reason.map_or(String::new(), |reason| format!(" ({reason})"))

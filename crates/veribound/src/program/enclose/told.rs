@@ -89,6 +89,7 @@ fn reason(model: &Model, found: &Findings) -> Option<String> {
         Obstacle::Jump => "the right-hand side may jump on the set",
         Obstacle::Unbounded => "numbers became too large",
         Obstacle::NotMonotone => "the right-hand side is not proved to be monotone",
+        Obstacle::Costly => "bounds were given up that take many times the work of forms",
         Obstacle::Interrupted => return Some("the run was interrupted".to_owned()),
         Obstacle::LeavesDomain => {
             return Some(
