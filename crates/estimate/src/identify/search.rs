@@ -28,6 +28,12 @@ struct Leaf {
     is_atom: bool,
 }
 
+/// A search that brought bounds nearer by less than this factor for a while is over,
+const WORTHWHILE: f64 = 0.95;
+
+/// a while being this share of the sets allowed, or so many.
+const PATIENCE: (usize, usize) = (20, 24);
+
 /// How far around a point the first probe looks, as share of the region it was found in,
 const REACH: f64 = 0.5;
 
@@ -289,6 +295,21 @@ impl<'a> Search<'a> {
         gaps
     }
 
+    /// How far bounds are from what is known to be possible: the sum of gaps, or the widths where nothing is known.
+    fn missing(&self) -> f64 {
+        let prior = &self.problem.prior;
+        let share = |param: usize| {
+            let quantity = self.first() + param;
+            let whole = prior[param].width().max(1e-300);
+            match self.inner(quantity) {
+                Some(inner) => (self.outer(quantity).width() - inner.width()).max(0.0) / whole,
+                // So that the first point is worth going on.
+                None => 1.0 + self.outer(quantity).width() / whole,
+            }
+        };
+        (0..prior.len()).map(share).sum()
+    }
+
     /// The leaves that decide bounds which may be too wide, the worst first.
     fn worst(&self) -> Vec<usize> {
         let mut gaps: Vec<_> = self.gaps().into_iter().filter(|gap| gap.0 > 1.0).collect();
@@ -332,6 +353,8 @@ impl<'a> Search<'a> {
     /// Goes on until bounds are near enough to the best possible, or the budget is spent.
     pub(crate) fn run(&mut self, whole: Region, go_on: &dyn Fn(&Progress) -> bool) {
         let mut jobs = vec![Job::Divide(whole)];
+        let patience = PATIENCE.1.max(self.options.sets / PATIENCE.0);
+        let mut before = (0, f64::INFINITY);
         while !jobs.is_empty() {
             let search = &*self;
             let outcomes: Vec<Outcome> = jobs.par_iter().map(|job| search.look_at(job)).collect();
@@ -341,6 +364,13 @@ impl<'a> Search<'a> {
             if !go_on(&self.progress()) {
                 self.interrupted = true;
                 return;
+            }
+            if self.sets >= before.0 + patience {
+                let missing = self.missing();
+                if missing > WORTHWHILE * before.1 {
+                    return;
+                }
+                before = (self.sets, missing);
             }
             jobs = self.probes();
             jobs.extend(self.divisions());
