@@ -175,12 +175,16 @@ const MOTOR: &str = "format = 1\nstates = [\"x\", \"v\"]\ninputs = [\"u\"]\n[ini
     alpha = [-6, -0.05]\nbeta = [1, 400]\nT = [0, 0.3]\n[der]\nx = \"v\"\nv = \"alpha*v + beta*(u - friction(v, u, T))\"\n\
     [outputs]\nm = \"x +- 0.1\"\n";
 
-/// A record of a motor, with errors that often are at the bound.
-fn motor_record(rng: &mut Rng, motor: &Motor, count: usize) -> Vec<Sample> {
+/// Says when the motor rests.
+const STILL: &str = "[signals]\nstill = { proves = \"v == 0\", latency = 0 }\n";
+
+/// A record of a motor, with errors that often are at the bound; maybe with a signal that says when it rests.
+fn motor_record(rng: &mut Rng, motor: &Motor, count: usize, tells_rest: bool) -> Vec<Sample> {
     let (mut x, mut v, mut u) = (0.0, 0.0, 0.0);
     let mut left = 0;
-    let (mut rows, mut inputs) = (Vec::new(), Vec::new());
+    let (mut rows, mut inputs, mut rests) = (Vec::new(), Vec::new(), Vec::new());
     for k in 0..count {
+        rests.push(Some(v == 0.0));
         if left == 0 {
             u = (rng.pick(&[0.0, 1.0, -1.0, 1.0]) * rng.between(0.1, 0.4) * 1e3).round() / 1e3;
             left = 20 + rng.below(60);
@@ -196,29 +200,40 @@ fn motor_record(rng: &mut Rng, motor: &Motor, count: usize) -> Vec<Sample> {
         inputs.push(vec![Interval::point(u)]);
         (x, v) = motor.step(x, v, u, 0.01);
     }
-    samples(&rows, &inputs)
+    let mut record = samples(&rows, &inputs);
+    if tells_rest {
+        for (sample, rest) in record.iter_mut().zip(rests) {
+            sample.signals = vec![rest];
+        }
+    }
+    record
 }
 
 /// Random motors with friction, through stops and reversals: true parameters are never excluded, and proved
 /// points agree with exact solutions.
 #[test]
 fn the_truth_of_motors_is_never_lost() {
-    let model = read("motor", MOTOR);
+    let models = [
+        read("motor", MOTOR),
+        read("motor", &format!("{MOTOR}{STILL}")),
+    ];
     let mut rng = Rng(number("VERIBOUND_SEED", 17));
-    let (mut narrowed, rounds) = (0, number("VERIBOUND_ROUNDS", 6));
-    for _ in 0..rounds {
+    let (mut narrowed, rounds) = (0, number("VERIBOUND_ROUNDS", 8));
+    for round in 0..rounds {
+        let tells_rest = round % 2 == 1;
+        let model = &models[usize::from(tells_rest)];
         let motor = Motor {
             alpha: rng.between(-4.0, -0.5),
             beta: rng.between(50.0, 300.0),
             level: rng.between(0.02, 0.25),
         };
         let count = 150 + rng.below(500);
-        let record = motor_record(&mut rng, &motor, count);
+        let record = motor_record(&mut rng, &motor, count, tells_rest);
         let options = IdentifyOptions {
             sets: 24,
             ..IdentifyOptions::default()
         };
-        let found = run(&model, std::slice::from_ref(&record), &options);
+        let found = run(model, std::slice::from_ref(&record), &options);
         assert!(!matches!(found.conclusion, Conclusion::Inconsistent(_)));
         let truth = [motor.alpha, motor.beta, motor.level];
         for (bounds, truth) in found.params.iter().zip(truth) {
@@ -240,11 +255,16 @@ fn agrees(p: &[f64], record: &[Sample], start: Interval) {
         beta: p[1],
         level: p[2],
     };
-    let (mut x, mut v) = (0.0, 0.0);
+    let (mut x, mut v) = (0.0, 0.0_f64);
     let mut allowed = start.inflate(1e-9);
     for pair in record.windows(2) {
         // The start angle is added to all angles.
         let told = pair[0].outputs[0].unwrap();
+        // Stops are at the sample at the latest, up to the rounding of this solution.
+        assert!(
+            pair[0].signals.first() != Some(&Some(true)) || v.abs() < 1e-6,
+            "{p:?}"
+        );
         allowed = allowed.intersect((told - Interval::point(x)).inflate(1e-7));
         (x, v) = motor.step(x, v, pair[0].inputs[0].mid(), 0.01);
     }

@@ -34,7 +34,7 @@
 
 use super::ahead::{around, later};
 use super::frame::Frame;
-use super::journey::{Acting, Journey};
+use super::journey::{Acting, Arriving, Journey};
 use super::monomials::Monomials;
 use super::outward::{UNIT, raised};
 use super::piece::{OnBox, Piece};
@@ -164,8 +164,24 @@ impl Journey<'_> {
             (&next, &second.0, &second.1),
             landing,
             times,
-            &passage,
+            (&passage, self.captured(asked, &passage)),
         )
+    }
+
+    /// The level of a state that all solutions cross to and stay on.
+    fn captured(&self, asked: Watch, passage: &Passage) -> Option<Captured> {
+        let Reason::Side { surface } = asked.reason else {
+            return None;
+        };
+        if passage.regime.signs[surface] != Signs::ZERO || passage.jump.is_some() {
+            return None;
+        }
+        let level = self.flow.switching.surfaces.list[surface].level?;
+        Some(Captured {
+            state: level.state,
+            value: level.value,
+            from_above: (asked.sign == Signs::POSITIVE) == level.rising,
+        })
     }
 
     /// The hull of the inputs from now on for at least `least` and at most `seconds`, and for how long.
@@ -464,7 +480,7 @@ impl Journey<'_> {
         (next, second, after): (&Acting, &Form, &Prepared),
         landing: Form,
         (scaled, moved, apart): (&[f64], Interval, f64),
-        passage: &Passage,
+        (passage, captured): (&Passage, Option<Captured>),
     ) -> Option<()> {
         // The second step begins at the time computed, which may be `apart` after the crossing.
         let early = passage
@@ -521,8 +537,22 @@ impl Journey<'_> {
                 (_, true) => early,
             };
             if self.meet.is_some() {
+                let is_ahead = since.hi() <= times.hi() + apart;
+                let arriving = match (&captured, &before) {
+                    (Some(captured), Some(place)) if is_ahead => {
+                        Some(captured.arriving(place, &self.form))
+                    }
+                    _ => None,
+                };
+                let are_late = before.is_none();
                 let copy = before.into_iter().chain(behind).reduce(Place::either);
-                passing.extend(copy.map(|place| (current + 1, place.of(&self.form))));
+                let mut copy = copy.map(|place| place.of(&self.form));
+                if let (Some(copy), Some(captured), true) = (&mut copy, &captured, are_late) {
+                    let mut known = vec![None; copy.states.len()];
+                    known[captured.state] = Some(captured.value);
+                    copy.put(&known);
+                }
+                passing.extend(copy.map(|copy| (current + 1, copy, arriving)));
             }
             passed.push((end, std::mem::replace(&mut tube_now, tube.clone())));
             current += 1;
@@ -742,6 +772,28 @@ impl Place {
         copy.states = self.states;
         copy.frame = Frame::upright(self.deviation);
         copy
+    }
+}
+
+/// A level that a state is captured by.
+#[derive(Clone, Copy)]
+struct Captured {
+    state: usize,
+    value: Interval,
+    /// Solutions come to it from above.
+    from_above: bool,
+}
+
+impl Captured {
+    /// Where the state would be if it were not captured, before or after the crossing, as in `place`.
+    fn arriving(&self, place: &Place, form: &Form) -> Arriving {
+        let (polynomial, rest) = (&place.states[self.state], place.deviation[self.state]);
+        Arriving {
+            state: self.state,
+            level: self.value,
+            ahead: form.straight(polynomial, rest),
+            from_above: self.from_above,
+        }
     }
 }
 

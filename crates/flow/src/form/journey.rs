@@ -12,6 +12,7 @@
 use std::sync::Arc;
 
 use super::flow::{Diverged, Flow};
+use super::output::Strip;
 use super::piece::Piece;
 use super::proved::Proved;
 use super::regime::{Field, Reason, Regime};
@@ -103,6 +104,25 @@ pub struct Meeting<'a> {
     /// Whether it is a copy on the way across a surface, which some solutions have passed and others have not;
     /// that it is narrowed is forgotten.
     pub is_passing: bool,
+    /// The state that is captured by that surface, if one is.
+    pub arriving: Option<Arriving>,
+}
+
+/// A state on its way to a level that captures it, each solution at a time of its own.
+///
+/// Guarantee: a solution is on the level at that time if and only if the state without capture, which lies in
+/// `ahead`, is on the level or beyond it. For before the crossing the state is on this side; and the state without
+/// capture moves one way at all times of the window, beyond the level too (`crossing.rs`).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Arriving {
+    /// Position of the state.
+    pub state: usize,
+    /// The level.
+    pub level: Interval,
+    /// The state without capture, as function of the unknowns.
+    pub ahead: Strip,
+    /// Solutions come from above.
+    pub from_above: bool,
 }
 
 /// A form and how far it has come.
@@ -123,7 +143,7 @@ pub(super) struct Journey<'a> {
     /// Shown the form wherever a stretch begins, and at the end of the last one.
     pub(super) meet: Option<&'a mut dyn FnMut(Meeting<'_>)>,
     /// Forms at begins of stretches that the last crossing went over.
-    pub(super) passed_by: Vec<(usize, Form)>,
+    pub(super) passed_by: Vec<(usize, Form, Option<Arriving>)>,
     /// Whether outputs are told, too.
     tells_outputs: bool,
     pub(super) acting: Option<Acting>,
@@ -262,6 +282,7 @@ impl<'a> Journey<'a> {
                 stretch: self.current,
                 form: &mut self.form,
                 is_passing: false,
+                arriving: None,
             });
         }
     }
@@ -269,11 +290,12 @@ impl<'a> Journey<'a> {
     /// Shows where solutions were at begins of stretches that a crossing went over.
     fn meet_passed(&mut self) {
         if let Some(meet) = &mut self.meet {
-            for (stretch, mut form) in self.passed_by.drain(..) {
+            for (stretch, mut form, arriving) in self.passed_by.drain(..) {
                 meet(Meeting {
                     stretch,
                     form: &mut form,
                     is_passing: true,
+                    arriving,
                 });
             }
         }

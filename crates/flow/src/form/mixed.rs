@@ -211,7 +211,7 @@ impl Form {
     }
 
     /// Some states lie in these intervals, and nothing else is known of them.
-    fn put(&mut self, known: &[Option<Interval>]) {
+    pub(super) fn put(&mut self, known: &[Option<Interval>]) {
         let n = self.states.len();
         let mut map = vec![Interval::ZERO; n * n];
         let mut more = vec![Interval::ZERO; n];

@@ -86,7 +86,7 @@ mod transport;
 mod watching;
 
 pub use flow::{Diverged, Flow};
-pub use journey::Meeting;
+pub use journey::{Arriving, Meeting};
 pub use output::{Contradiction, Output, Strip};
 pub use run::{Effort, Enclosure, Part, Standing, Stretch};
 pub use set::{Form, FormOptions, OutputForm, Parallelotope, Unknown};

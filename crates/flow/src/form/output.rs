@@ -41,6 +41,11 @@ pub struct Strip {
 pub struct Contradiction;
 
 impl Output {
+    /// The state that it is, if it is one.
+    pub fn state(&self) -> Option<usize> {
+        self.state
+    }
+
     /// Compiles `expr` of `model`.
     pub fn new(model: &Model, expr: ExprId) -> Output {
         Output::compile(&mut model.graph.clone(), model.states.len(), expr)
@@ -101,7 +106,7 @@ impl Form {
     /// The affine part of a polynomial, and quick bounds of the rest with `rest`.
     ///
     /// A monomial of even exponents is never negative.
-    fn straight(&self, polynomial: &[f64], rest: Interval) -> Strip {
+    pub(super) fn straight(&self, polynomial: &[f64], rest: Interval) -> Strip {
         let count = self.unknowns.len();
         let (mut below, mut above) = (0.0, 0.0);
         for (a, x) in polynomial.iter().enumerate().skip(1 + count) {
