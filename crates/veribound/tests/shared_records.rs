@@ -10,8 +10,9 @@
 )]
 
 use std::path::{Path, PathBuf};
+use veribound::identify::{Conclusion, IdentifyOptions, identify};
 use veribound::{
-    Estimate, Interval, Model, Observer, ObserverOptions, Record, RecordOptions, Verdict,
+    Estimate, Interval, Model, Observer, ObserverOptions, Record, RecordOptions, Sample, Verdict,
 };
 
 fn project() -> PathBuf {
@@ -141,4 +142,41 @@ fn positioning_axis() {
     assert_bounds("inv_M", found.params[0], (0.01072, 0.01072), 0.012);
     assert_bounds("R_slow", found.params[1], (25.4, 25.4), 40.0);
     assert_bounds("R_fast", found.params[2], (40.3, 40.3), 15.0);
+}
+
+/// Identification at the edge of what the record can tell: hulls from an independent optimiser, which may be off by
+/// 2e-6 rad, lie inside of the outer bounds, and these are at most 5 % wider.
+#[test]
+fn the_rig_is_identified_to_the_edge() {
+    let Some(file) = data("rig/rig.csv") else {
+        return;
+    };
+    let model = Model::from_file(project().join("examples/drive-train/model.toml")).unwrap();
+    let columns = [("phi_m", "phi_meas_rad"), ("still", "standstill")];
+    let options = RecordOptions {
+        columns: columns
+            .iter()
+            .map(|(a, b)| ((*a).to_owned(), (*b).to_owned()))
+            .collect(),
+        ..RecordOptions::default()
+    };
+    let record = Record::open(&file, &model, options).unwrap();
+    let samples: Vec<Sample> = record.samples().unwrap().map(Result::unwrap).collect();
+    let found = identify(&model, &[samples], &IdentifyOptions::default(), &|_| true);
+    assert_eq!(found.conclusion, Conclusion::Consistent);
+    let reference = [
+        (-2.000_146_52, -1.999_931_79),
+        (199.992_339, 200.014_741),
+        (0.149_998_719, 0.150_001_39),
+    ];
+    for (bounds, (lo, hi)) in found.params.iter().zip(reference) {
+        let slack = 1e-4 * (hi - lo);
+        let outer = bounds.outer;
+        assert!(
+            outer.lo() <= lo + slack && hi - slack <= outer.hi(),
+            "{bounds:?}"
+        );
+        assert!(outer.width() <= 1.05 * (hi - lo), "{bounds:?}");
+        assert!(bounds.tightness() <= 1.05, "{bounds:?}");
+    }
 }

@@ -29,7 +29,7 @@ struct Leaf {
 }
 
 /// A search that brought bounds nearer by less than this factor for a while is over,
-const WORTHWHILE: f64 = 0.95;
+const WORTHWHILE: f64 = 0.8;
 
 /// a while being this share of the sets allowed, or so many.
 const PATIENCE: (usize, usize) = (20, 24);

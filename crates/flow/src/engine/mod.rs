@@ -4,7 +4,7 @@
 //! can say what another one refutes. [`Engine::Auto`] takes comparison bounds alone where nothing uncertain is left
 //! out of the order, since these are exact hulls; else forms, cut with comparison bounds where these have corners and
 //! the forms keep too little. Corners that keep unknowns are forms themselves, and they are asked piece by piece, with one
-//! order after the other: they are given up where they are foreseen or found to cost [`WORTH`] times as much as the forms.
+//! order after the other: they are given up where they are foreseen or found to cost four times as much as the forms.
 
 mod boxes;
 
