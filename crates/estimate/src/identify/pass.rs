@@ -13,6 +13,9 @@ use super::simplex::{Program, Side, minimum, refutes};
 use veribound_flow::form::{Form, FormOptions, Meeting, Parallelotope};
 use veribound_interval::Interval;
 
+/// A pass ends where so many steps do not lead to the next sample: the set grows too fast to tell anything.
+const MOST_STEPS: usize = 100;
+
 /// Rows are asked for narrower unknowns when so many times the samples of the last time were met.
 const NEXT: f64 = 1.25;
 
@@ -114,8 +117,16 @@ pub(crate) fn pass(
         over: &over,
     };
     let stretches = &course.stretches[span.from..span.until];
-    let meet = &mut |meeting: Meeting<'_>| meeter.meet(meeting);
-    let moved = problem.flow.follow(form, stretches, meet, &|_| !over.get());
+    let steps = Shared::new(0);
+    let meet = &mut |meeting: Meeting<'_>| {
+        steps.set(0);
+        meeter.meet(meeting);
+    };
+    let go_on = |_: &Form| {
+        steps.set(steps.get() + 1);
+        !over.get() && steps.get() <= MOST_STEPS
+    };
+    let moved = problem.flow.follow(form, stretches, meet, &go_on);
     let is_complete = meeter.is_complete && moved.is_ok() && meeter.reached == span.until;
     Passed {
         scales: meeter.scales,

@@ -93,6 +93,8 @@ pub(crate) struct Paving<'a> {
     undecided: f64,
     inside: f64,
     next: usize,
+    /// No more tiles are moved through the records.
+    is_spent: bool,
     pub(crate) sets: usize,
     pub(crate) passes: usize,
 }
@@ -112,6 +114,7 @@ impl<'a> Paving<'a> {
             undecided: 0.0,
             inside: 0.0,
             next: 0,
+            is_spent: false,
             sets: 0,
             passes: 0,
         };
@@ -152,7 +155,8 @@ impl<'a> Paving<'a> {
         go_on: &dyn Fn(&Progress) -> bool,
     ) -> bool {
         let mut waiting: Vec<Open> = Vec::new();
-        while self.undecided > share * (self.undecided + self.inside)
+        while !self.is_spent
+            && self.undecided > share * (self.undecided + self.inside)
             && self.tiles.len() + self.open.len() < MOST_TILES
         {
             let Some(open) = self.open.pop() else {
@@ -178,9 +182,6 @@ impl<'a> Paving<'a> {
                     self.halve(&open, &local);
                 }
             }
-            if self.sets >= sets {
-                break;
-            }
         }
         self.open.extend(waiting);
         true
@@ -202,9 +203,8 @@ impl<'a> Paving<'a> {
         sets: usize,
         go_on: &dyn Fn(&Progress) -> bool,
     ) -> bool {
-        let room = sets.saturating_sub(self.sets);
-        if room < waiting.len() {
-            self.sets = sets;
+        if self.sets + waiting.len() > sets {
+            self.is_spent = true;
             return true;
         }
         let problem = self.problem;
@@ -292,7 +292,11 @@ impl<'a> Paving<'a> {
             Said::Halve(axis) => self.push(rest, Some(Arc::new(local)), axis),
             // Halves are moved themselves.
             Said::Hidden(_) => {
-                for half in halves(&rest, axis) {
+                let halves = halves(&rest, axis);
+                if halves.is_empty() {
+                    self.close(rest, Status::Undecided, Reason::Budget);
+                }
+                for half in halves {
                     self.push(half, None, axis);
                 }
             }
@@ -300,7 +304,11 @@ impl<'a> Paving<'a> {
     }
 
     fn halve(&mut self, open: &Open, local: &Arc<Local>) {
-        for half in halves(&open.params, open.axis) {
+        let halves = halves(&open.params, open.axis);
+        if halves.is_empty() {
+            self.close(open.params.clone(), Status::Undecided, Reason::Budget);
+        }
+        for half in halves {
             match local.says(&half, self.problem) {
                 Said::Inside => self.close(half, Status::Inside, Reason::Met),
                 Said::Outside(reason) => self.close(half, Status::Outside, reason),
@@ -311,12 +319,12 @@ impl<'a> Paving<'a> {
     }
 }
 
-/// Both halves; only one where the tile cannot be halved.
+/// Both halves; none where the tile cannot be halved.
 fn halves(params: &[Interval], axis: usize) -> Vec<Vec<Interval>> {
     let whole = params[axis];
     let at = whole.mid();
     if !(whole.lo() < at && at < whole.hi()) {
-        return vec![params.to_vec()];
+        return Vec::new();
     }
     let ends = [(whole.lo(), at), (at, whole.hi())];
     ends.into_iter()

@@ -141,7 +141,9 @@ impl<'a> Search<'a> {
             Job::Divide(region) => {
                 return match self.problem.refine(region.clone(), true) {
                     Ok(cell) => {
-                        let outer = (0..self.quantities()).map(|i| cell.outer(i)).collect();
+                        // Regions may reach out of what is believed a little.
+                        let believed = self.problem.believed().into_iter().enumerate();
+                        let outer = believed.map(|(i, x)| cell.outer(i).intersect(x)).collect();
                         Outcome::Left(Box::new(Leaf {
                             points: cell.points(first..self.quantities()),
                             cell,
