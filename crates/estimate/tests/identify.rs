@@ -65,6 +65,7 @@ fn the_hull_and_the_area_of_two_exponentials() {
     let model = read("two exponentials", TWO_EXPONENTIALS);
     let options = IdentifyOptions {
         tightness: 1.000_001,
+        sets: 600,
         undecided: Some(0.02),
         ..IdentifyOptions::default()
     };

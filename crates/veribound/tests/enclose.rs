@@ -325,7 +325,7 @@ fn parts_are_told() {
         .join("model.toml")
         .display()
         .to_string();
-    let flags = "--until 0.7 --every 0.05 --parts";
+    let flags = "--until 1.2 --every 0.05 --parts";
     enclose(&place, &model, &format!("{flags} 4 --sample 5")).ended(0);
     let (parts, table) = (place.read("out/parts.csv"), place.read("out/tube.csv"));
     let told = summary(&place);

@@ -11,8 +11,8 @@ pub struct IdentifyOptions {
     /// The share of the volume that is not excluded which may stay undecided in the paving; `None` asks for no
     /// paving.
     pub undecided: Option<f64>,
-    /// Most sets that are looked at. Where bounds have come hardly nearer to the best possible in a twentieth of
-    /// them, it ends earlier.
+    /// Most sets that are looked at. Where bounds have come hardly nearer to the best possible for a while, it ends
+    /// earlier. A paving may look at twenty times as many, which are smaller.
     pub sets: usize,
     /// Threads; the result does not depend on them.
     pub threads: usize,
@@ -23,7 +23,7 @@ impl Default for IdentifyOptions {
         IdentifyOptions {
             tightness: 1.05,
             undecided: None,
-            sets: 600,
+            sets: 200,
             threads: 1,
         }
     }

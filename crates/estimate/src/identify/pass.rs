@@ -10,7 +10,7 @@ use super::problem::{Course, Problem};
 use super::region::scales_of;
 use super::rows::{Affine, Rows};
 use super::simplex::{Program, Side, minimum, refutes};
-use veribound_flow::form::{Form, FormOptions, Meeting, Parallelotope};
+use veribound_flow::form::{Arriving, Form, FormOptions, Meeting, Parallelotope};
 use veribound_interval::Interval;
 
 /// A pass ends where so many steps do not lead to the next sample: the set grows too fast to tell anything.
@@ -175,7 +175,15 @@ impl Meeter<'_> {
                 clear |= !is_blurred;
                 blurred |= is_blurred;
             }
-            self.rows.push(&strip.slopes, rest, *told, sample, 0);
+            let arriving = meeting.arriving.as_ref().filter(|arriving| {
+                on_forms.state() == Some(arriving.state)
+                    && arriving.level.is_point()
+                    && arriving.level == *told
+            });
+            match arriving {
+                None => self.rows.push(&strip.slopes, rest, *told, sample, 0),
+                Some(arriving) => self.arrived(arriving, sample),
+            }
         }
         if clear {
             self.hidden = 0;
@@ -210,6 +218,21 @@ impl Meeter<'_> {
                 told,
             });
         }
+    }
+
+    /// A sample tells that a state is on the level that it is on its way to: without capture it would be there or
+    /// beyond.
+    fn arrived(&mut self, arriving: &Arriving, sample: usize) {
+        let level = arriving.level;
+        let beyond = if arriving.from_above {
+            Interval::new(f64::NEG_INFINITY, level.hi())
+        } else {
+            Interval::new(level.lo(), f64::INFINITY)
+        };
+        let rest = arriving.ahead.remainder + Interval::point(arriving.ahead.centre);
+        let beyond = beyond.unwrap_or(Interval::ENTIRE);
+        self.rows
+            .push(&arriving.ahead.slopes, rest, beyond, sample, 0);
     }
 
     /// Writes the unknowns anew where the rows leave little of them.

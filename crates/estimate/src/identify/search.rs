@@ -32,7 +32,10 @@ struct Leaf {
 const WORTHWHILE: f64 = 0.8;
 
 /// a while being this share of the sets allowed, or so many.
-const PATIENCE: (usize, usize) = (20, 24);
+const PATIENCE: (usize, usize) = (20, 30);
+
+/// So many tiles of a paving may be moved through the records for every set.
+const TILES_PER_SET: usize = 20;
 
 /// How far around a point the first probe looks, as share of the region it was found in,
 const REACH: f64 = 0.5;
@@ -426,7 +429,8 @@ impl<'a> Search<'a> {
     /// Paves the prior, so that undecided tiles are at most this share of the volume that is not excluded.
     pub(crate) fn pave(&mut self, share: f64, go_on: &dyn Fn(&Progress) -> bool) -> Vec<Tile> {
         let mut paving = Paving::new(self.problem);
-        let goes_on = paving.run(share, self.options.sets, go_on);
+        let sets = self.options.sets.saturating_mul(TILES_PER_SET);
+        let goes_on = paving.run(share, sets, go_on);
         self.interrupted |= !goes_on;
         self.sets += paving.sets;
         self.passes += paving.passes;
