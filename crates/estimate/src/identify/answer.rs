@@ -78,7 +78,7 @@ pub enum Reason {
         /// Position of the sample.
         sample: usize,
     },
-    /// These samples together exclude it, by their positions.
+    /// These samples together exclude it, by their positions; where none is named, those of the whole record.
     Samples {
         /// Position of the record.
         record: usize,
@@ -89,8 +89,6 @@ pub enum Reason {
     Met,
     /// The budget is spent, or the tile is as small as was wanted.
     Budget,
-    /// Solutions could not be enclosed up to the end of the record.
-    Stopped,
 }
 
 /// A box of parameters, and what is known of it.

@@ -79,12 +79,13 @@ fn reason(data: &Data, reason: &Reason) -> String {
         Reason::Sample { record, sample } => {
             format!("line {}{}", lines(*record, &[*sample]), of(*record))
         }
+        // The whole way through the record narrowed it.
+        Reason::Samples { samples, .. } if samples.is_empty() => "the samples together".to_owned(),
         Reason::Samples { record, samples } => {
             format!("lines {}{} together", lines(*record, samples), of(*record))
         }
         Reason::Met => "all samples are met".to_owned(),
         Reason::Budget => "not divided further".to_owned(),
-        Reason::Stopped => "not enclosed to the end".to_owned(),
     }
 }
 
@@ -179,7 +180,7 @@ mod tests {
                 "k.lo,k.hi,c.lo,c.hi,status,reason\n0,1.5,-0.5,0.3,outside,line 4\n\
                  1.5,4,-0.5,{third},outside,lines 2 3 of {second} together\n\
                  1.5,2,{third},0.3,inside,all samples are met\n2,4,-0.5,0.3,undecided,not divided further\n\
-                 0,1.5,-0.5,0.3,undecided,not enclosed to the end\n"
+                 0,1.5,-0.5,0.3,undecided,not divided further\n"
             )
             .replace("line 4\n", &format!("line 4 of {}\n", data.name(0)))
         );

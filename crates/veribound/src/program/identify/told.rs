@@ -327,7 +327,7 @@ pub(super) mod tests {
                         Reason::Met,
                     ),
                     tile(interval(2.0, k.hi()), c, Status::Undecided, Reason::Budget),
-                    tile(low, c, Status::Undecided, Reason::Stopped),
+                    tile(low, c, Status::Undecided, Reason::Budget),
                 ],
                 sets: 12,
                 passes: 30,
