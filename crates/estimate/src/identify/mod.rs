@@ -53,15 +53,14 @@ fn on_these_threads(
     }
     let mut search = Search::new(&problem, options);
     let mut believed = problem.believed();
-    let narrowed = if search.is_within_reach(&believed) {
-        Ok(())
+    if search.reaches(&believed) {
+        search.run(None, go_on);
     } else {
         let alive = || go_on(&search.progress());
-        gross::narrow(&problem, model, records, &mut believed, &alive)
-    };
-    match narrowed {
-        Ok(()) => search.run(Region::of_box(&believed), go_on),
-        Err(clash) => search.refute(clash),
+        match gross::narrow(&problem, model, records, &mut believed, &alive) {
+            Ok(()) => search.run(Some(Region::of_box(&believed)), go_on),
+            Err(clash) => search.refute(clash),
+        }
     }
     let tiles = match options.undecided {
         Some(share) => search.pave(share, go_on),

@@ -120,10 +120,18 @@ impl<'a> Search<'a> {
         self.inner.len()
     }
 
-    /// Whether one region that is the whole box comes to the end of every record.
-    pub(crate) fn is_within_reach(&self, quantities: &[Interval]) -> bool {
-        let cell = self.problem.refine(Region::of_box(quantities), true);
-        cell.map_or(true, |cell| self.has_ended(&cell))
+    /// Looks at the whole box; it is kept, and all there is, if it is excluded or comes to the end of every record.
+    pub(crate) fn reaches(&mut self, quantities: &[Interval]) -> bool {
+        let job = Job::Divide(Region::of_box(quantities));
+        let outcome = self.look_at(&job);
+        let is_kept = match &outcome {
+            Outcome::Left(leaf) => self.has_ended(&leaf.cell),
+            _ => true,
+        };
+        if is_kept {
+            self.take(&job, outcome);
+        }
+        is_kept
     }
 
     fn has_ended(&self, cell: &Cell) -> bool {
@@ -355,9 +363,13 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Goes on until bounds are near enough to the best possible, or the budget is spent.
-    pub(crate) fn run(&mut self, whole: Region, go_on: &dyn Fn(&Progress) -> bool) {
-        let mut jobs = vec![Job::Divide(whole)];
+    /// Goes on, with another region if there is one, until bounds are near enough to the best possible, or the budget
+    /// is spent.
+    pub(crate) fn run(&mut self, region: Option<Region>, go_on: &dyn Fn(&Progress) -> bool) {
+        let mut jobs: Vec<Job> = match region {
+            Some(region) => vec![Job::Divide(region)],
+            None => self.next_jobs(),
+        };
         let patience = PATIENCE.1.max(self.options.sets / PATIENCE.0);
         let mut before = (0, f64::INFINITY);
         while !jobs.is_empty() {
@@ -377,9 +389,14 @@ impl<'a> Search<'a> {
                 }
                 before = (self.sets, missing);
             }
-            jobs = self.probes();
-            jobs.extend(self.divisions());
+            jobs = self.next_jobs();
         }
+    }
+
+    fn next_jobs(&mut self) -> Vec<Job> {
+        let mut jobs = self.probes();
+        jobs.extend(self.divisions());
+        jobs
     }
 
     /// Where better points may be.
