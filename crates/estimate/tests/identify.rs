@@ -335,6 +335,62 @@ fn an_outlier_is_refuted_by_few_samples() {
     assert!(found.params[0].outer.is_empty());
 }
 
+const CONSTANT: &str = "format = 1\nstates = [\"x\"]\n[init]\nx = 0\n[params]\np = [-2, 2]\n[der]\nx = \"0*p\"\n\
+    [outputs]\na = \"p*p +- 0\"\nb = \"p + x +- 0\"\n";
+
+/// Four samples of `p^2` and `p`, where these tell something.
+fn constant(told: &[(usize, usize, Interval)]) -> Vec<Sample> {
+    let rows: Vec<(f64, Option<Interval>)> = (0..4).map(|k| (f64::from(k), None)).collect();
+    let mut record = samples(&rows, &[]);
+    record
+        .iter_mut()
+        .for_each(|sample| sample.outputs.push(None));
+    for (sample, output, value) in told {
+        record[*sample].outputs[*output] = Some(*value);
+    }
+    record
+}
+
+/// Samples that are named refute the model without the others, and none is named that tells nothing.
+#[test]
+fn samples_that_are_named_refute() {
+    let model = read("constant", CONSTANT);
+    let options = IdentifyOptions::default();
+    let one = constant(&[(1, 0, interval(0.9, 1.1)), (2, 1, interval(1.5, 1.6))]);
+    let Conclusion::Inconsistent(refuted) = run(&model, &[one], &options).conclusion else {
+        panic!("1.5 squared is not 1");
+    };
+    assert_eq!((&refuted.samples[..], refuted.line), (&[1, 2][..], 4));
+    // Each of two records alone is met.
+    let two = [(0.0, 0.5), (1.0, 1.5)].map(|(lo, hi)| constant(&[(2, 1, interval(lo, hi))]));
+    let Conclusion::Inconsistent(refuted) = run(&model, &two, &options).conclusion else {
+        panic!("no number is in both");
+    };
+    assert!(refuted.samples.is_empty());
+}
+
+/// A record without a sample says nothing.
+#[test]
+fn an_empty_record_says_nothing() {
+    let model = read("constant", CONSTANT);
+    let found = run(&model, &[Vec::new()], &IdentifyOptions::default());
+    assert!(!matches!(found.conclusion, Conclusion::Inconsistent(_)));
+    assert_eq!(found.params[0].outer, interval(-2.0, 2.0));
+}
+
+/// A start value that no float is can be proved, too.
+#[test]
+fn decimal_starts_are_proved() {
+    let text = "format = 1\nstates = [\"x\"]\n[init]\nx = 0.1\n[params]\np = [0, 1]\n[der]\nx = \"-p*x\"\n\
+        [outputs]\nb = \"x +- 0\"\n";
+    let record = samples(&[(0.0, None), (1.0, Some(interval(0.05, 0.07)))], &[]);
+    let found = run(&read("decay", text), &[record], &IdentifyOptions::default());
+    assert_eq!(found.conclusion, Conclusion::Consistent);
+    // From ln(10/7) to ln 2.
+    assert!(found.params[0].outer.contains(0.4) && found.params[0].outer.contains(0.69));
+    assert!(found.params[0].tightness() < 1.05);
+}
+
 /// The number of threads changes no bit, and an early end changes no truth.
 #[test]
 fn threads_and_interruptions() {

@@ -34,8 +34,8 @@ impl Default for IdentifyOptions {
 pub struct Bounds {
     /// Every value that agrees with model and records lies inside; empty where none does.
     pub outer: Interval,
-    /// Between the ends of this, if there is any, lie proved values: both ends are values of points that are
-    /// proved to agree with model and records.
+    /// Points that are proved to agree with model and records have a value at or below the lower end of this, and one
+    /// at or above the upper end, up to the rounding of what is told: nothing narrower than this can be proved.
     pub inner: Option<Interval>,
 }
 
@@ -71,14 +71,15 @@ pub enum Status {
 /// Why a tile has its status.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Reason {
-    /// A quantity cannot have the value that this sample tells.
+    /// A quantity cannot have the value that this sample tells, with what samples before it leave.
     Sample {
         /// Position of the record.
         record: usize,
         /// Position of the sample.
         sample: usize,
     },
-    /// These samples together exclude it, by their positions; where none is named, those of the whole record.
+    /// It is excluded at last by these samples, by their positions, beside what samples before excluded around it;
+    /// where none is named, by those of the whole record.
     Samples {
         /// Position of the record.
         record: usize,
@@ -102,14 +103,15 @@ pub struct Tile {
     pub reason: Reason,
 }
 
-/// A sample that contradicts the model.
+/// What contradicts the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refuted {
-    /// Position of the record.
+    /// Position of a record that takes part.
     pub record: usize,
-    /// Positions of the samples that refute the model together, in order, as few as were found.
+    /// Positions of samples of it that refute the model together without any other, as few as were found, in order;
+    /// empty where no few were found.
     pub samples: Vec<usize>,
-    /// Time stamp of the last of them.
+    /// Time stamp of the last of them, or of the last sample of the record.
     pub time: Decimal,
     /// Its line in the file.
     pub line: usize,
@@ -120,7 +122,7 @@ pub struct Refuted {
 pub enum Conclusion {
     /// A point is proved to agree with model and records.
     Consistent,
-    /// Proved: nothing does. The sample up to which the records have to be read to see it.
+    /// Proved: nothing does.
     Inconsistent(Refuted),
     /// Neither is proved.
     Undecided,

@@ -30,6 +30,9 @@ const SMALLER: f64 = 0.5;
 /// A box around it may be wider by this factor.
 const WIDER: f64 = 1.3;
 
+/// Proved points keep so far from the border of the unit box.
+const BORDER: f64 = 1e-6;
+
 /// Rows that are from no sample say this instead.
 pub(crate) const BELIEVED: usize = u32::MAX as usize;
 
@@ -134,6 +137,10 @@ impl Problem {
         for (record, course) in self.courses.iter().enumerate() {
             let (set, kept) = region.rows_of(&self.quantities_of(record));
             let until = course.horizon();
+            if course.instants.is_empty() {
+                reached.push(until);
+                continue;
+            }
             let span = Span { from: 0, until };
             *passes += 1;
             let passed = pass(self, course, span, (&set, &hull[first..]), options);
@@ -166,9 +173,10 @@ impl Problem {
                 }
             }
             if let Some(axis) = part.iter().position(|x| x.is_empty()) {
-                let record = parts.iter().rposition(|part| part.1.contains(&axis));
-                let samples = Vec::new();
-                return Err((record.unwrap_or(0), Conflict::Rows { samples }));
+                let told = parts.iter().filter(|window| window.1.contains(&axis));
+                let samples = told.map(|(passed, _, record)| (passed.reached, *record));
+                let samples = samples.collect();
+                return Err((0, Conflict::Rows { samples }));
             }
             scales = scales_of(&part);
         }
@@ -182,7 +190,7 @@ impl Problem {
                     if common == *own {
                         (Interval::ZERO, Interval::ONE)
                     } else {
-                        ((common.0 - own.0) / own.1, common.1 / own.1)
+                        into(own, &common)
                     }
                 })
                 .collect();
@@ -191,6 +199,11 @@ impl Problem {
         }
         let region = region.rescaled(&scales);
         for (i, believed) in self.believed().iter().enumerate() {
+            // What does not depend on the unknowns may be any of its values, of which one that is believed is enough.
+            let is_fixed = region.axes[i].iter().all(|x| *x == 0.0);
+            if is_fixed && region.offset(i).intersects(*believed) {
+                continue;
+            }
             rows.push(&region.axes[i], region.offset(i), *believed, BELIEVED, 0);
         }
         rows.prune();
@@ -211,6 +224,20 @@ impl Problem {
         };
         Ok((cell, shrunk))
     }
+}
+
+/// Whether unknowns are in the unit box, and by so much that they are in all those that it was narrowed from, which
+/// rounding may have made a little smaller: rows tell of these alone.
+pub(crate) fn is_well_inside(unknowns: Interval) -> bool {
+    unknowns.is_subset_of(Interval::symmetric(1.0 - BORDER))
+}
+
+/// Unknowns `common.0 + common.1 δ'` in terms of `own.0 + own.1 δ`.
+fn into(own: &(Interval, Interval), common: &(Interval, Interval)) -> (Interval, Interval) {
+    if own.1.contains(0.0) {
+        return (Interval::ENTIRE, Interval::ENTIRE);
+    }
+    ((common.0 - own.0) / own.1, common.1 / own.1)
 }
 
 /// A pass, the axes of its unknowns, and its record.
@@ -477,11 +504,8 @@ impl Cell {
 
     /// Whether inner rows prove that solutions with these unknowns agree with all records.
     fn proves(&self, point: &[f64]) -> bool {
-        let inside = point
-            .iter()
-            .zip(&self.part)
-            .all(|(x, part)| part.contains(*x));
-        inside
+        let unknowns = point.iter().map(|x| Interval::point(*x));
+        unknowns.into_iter().all(is_well_inside)
             && (0..self.rows.len()).all(|row| {
                 let slopes = self.rows.slopes(row).iter().zip(point);
                 let value = slopes.fold(Interval::ZERO, |sum, (g, x)| {

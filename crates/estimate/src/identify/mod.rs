@@ -21,7 +21,8 @@ use region::Region;
 use search::Search;
 use veribound_model::{Model, Sample};
 
-/// Bounds the parameters of `model` that agree with all `records`, each with start states of its own.
+/// Bounds the parameters of `model` that agree with all `records`, each with start states of its own and samples in
+/// order of time.
 ///
 /// Guarantee: that of [`Identified`], also where `go_on`, which is asked now and then, ends it early.
 pub fn identify(
@@ -66,5 +67,9 @@ fn on_these_threads(
         Some(share) => search.pave(share, go_on),
         None => Vec::new(),
     };
-    search.answer(tiles)
+    let mut found = search.answer(tiles);
+    if let Conclusion::Inconsistent(refuted) = found.conclusion {
+        found.conclusion = problem.confirm(refuted);
+    }
+    found
 }

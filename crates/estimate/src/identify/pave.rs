@@ -13,7 +13,7 @@ use std::collections::BinaryHeap;
 use std::sync::Arc;
 
 use super::answer::{Progress, Reason, Status, Tile};
-use super::cell::{BELIEVED, Cell};
+use super::cell::{BELIEVED, Cell, is_well_inside};
 use super::pass::Conflict;
 use super::problem::Problem;
 use super::region::Region;
@@ -27,7 +27,7 @@ const MOST_TILES: usize = 400_000;
 const AT_ONCE: usize = 8;
 
 /// Tiles are moved with so much around them, as share of their width.
-const MARGIN: f64 = 1e-9;
+const MARGIN: f64 = 1e-5;
 
 /// Rows hide the answer where this share of a tile's reach is not affine.
 const HIDDEN: f64 = 0.5;
@@ -256,7 +256,8 @@ impl<'a> Paving<'a> {
         for param in 0..rest.len() {
             let (bounds, because) = cell.outer_because(first + param);
             let whole = rest[param];
-            let kept = whole.intersect(bounds);
+            // What is cut off is closed: its end must be excluded, too.
+            let kept = whole.intersect(bounds.inflate(f64::MIN_POSITIVE));
             if kept.is_empty() {
                 self.close(rest, Status::Outside, because[0].clone());
                 return;
@@ -382,9 +383,8 @@ impl Local {
                     samples: Vec::new(),
                 });
             }
-            // Rows tell of the unit box alone.
-            is_inside &= own.is_subset_of(Interval::symmetric(1.0));
         }
+        is_inside &= narrow.iter().all(|x| is_well_inside(*x));
         let mut worst = None;
         let mut missing = 0.0;
         for row in 0..cell.rows.len() {

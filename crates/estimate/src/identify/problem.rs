@@ -4,13 +4,15 @@
     reason = "PROOF: one stretch between two samples, lists as long as those of the model"
 )]
 
+use super::answer::{Conclusion, Refuted};
+use super::region::Region;
 use crate::signals::Signals;
 use veribound_flow::form::{Flow, Output, Stretch};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{Layout, Model, Sample};
 
 /// What a sample tells.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Instant {
     /// Time stamp.
     pub(crate) time: Decimal,
@@ -25,7 +27,7 @@ pub(crate) struct Instant {
 }
 
 /// One record, with the start states that are its own.
-#[derive(Debug)]
+#[derive(Debug, Clone)]
 pub(crate) struct Course {
     pub(crate) instants: Vec<Instant>,
     pub(crate) stretches: Vec<Stretch>,
@@ -41,6 +43,17 @@ impl Course {
         reset.unwrap_or(self.instants.len()).saturating_sub(1)
     }
 
+    /// The same with what these samples tell alone.
+    fn with(&self, is_kept: &dyn Fn(usize) -> bool) -> Course {
+        let mut course = self.clone();
+        for (sample, instant) in course.instants.iter_mut().enumerate() {
+            if !is_kept(sample) {
+                instant.told.clear();
+            }
+        }
+        course
+    }
+
     /// The inputs that may act at a sample: those until then, and those from then on.
     pub(crate) fn inputs_at(&self, sample: usize) -> Vec<Interval> {
         let now = &self.instants[sample].inputs;
@@ -52,6 +65,33 @@ impl Course {
             }
         }
     }
+}
+
+/// Samples that refute a model together are named if there are no more.
+const MOST_NAMED: usize = 24;
+
+/// So often it is tried to do with fewer.
+const MOST_PROOFS: usize = 60;
+
+/// Of `samples`, which refute together with `others`, those that are needed, about (Junker, QuickXplain, 2004).
+fn needed(
+    refutes: &mut dyn FnMut(&[usize]) -> bool,
+    others: &[usize],
+    is_new: bool,
+    samples: &[usize],
+) -> Vec<usize> {
+    if is_new && refutes(others) {
+        return Vec::new();
+    }
+    if samples.len() < 2 {
+        return samples.to_vec();
+    }
+    let (early, late) = samples.split_at(samples.len() / 2);
+    let with_early = [others, early].concat();
+    let late = needed(refutes, &with_early, true, late);
+    let with_late = [others, &late].concat();
+    let early = needed(refutes, &with_late, !late.is_empty(), early);
+    [early, late].concat()
 }
 
 /// A model with all its records.
@@ -83,6 +123,59 @@ impl Problem {
             courses: Vec::new(),
             prior: model.params.iter().map(|param| param.bounds).collect(),
         }
+    }
+
+    /// That nothing agrees with the records, by these samples of one of them if they are enough.
+    pub(crate) fn refuted(&self, record: usize, samples: Vec<usize>) -> Conclusion {
+        let last = samples.last().copied();
+        let instants = self
+            .courses
+            .get(record)
+            .map_or(&[][..], |course| &course.instants);
+        let instant = last.and_then(|last| instants.get(last)).or(instants.last());
+        Conclusion::Inconsistent(Refuted {
+            record,
+            samples,
+            time: instant.map_or_else(Decimal::zero, |instant| instant.time.clone()),
+            line: instant.map_or(0, |instant| instant.line),
+        })
+    }
+
+    /// Looks for few samples of one record that refute the model together, those of `found` first.
+    ///
+    /// Guarantee: the samples named refute the model without any other, since that was proved once more with them
+    /// alone.
+    pub(crate) fn confirm(mut self, found: Refuted) -> Conclusion {
+        let whole = std::mem::take(&mut self.courses);
+        let count = whole
+            .get(found.record)
+            .map_or(0, |course| course.instants.len());
+        let mut left = MOST_PROOFS;
+        let mut refutes = |kept: &[usize]| {
+            left = left.saturating_sub(1);
+            let courses = whole.iter().enumerate();
+            let only = courses.map(|(position, course)| {
+                let is_kept = |sample| position == found.record && kept.contains(&sample);
+                course.with(&is_kept)
+            });
+            self.courses = only.collect();
+            let prior = Region::of_box(&self.believed());
+            left > 0 && self.refine(prior, true).is_err()
+        };
+        let all: Vec<usize> = (0..count).collect();
+        let begin = [found.samples, all]
+            .into_iter()
+            .find(|samples| refutes(samples));
+        let mut kept = begin.map_or(Vec::new(), |samples| {
+            needed(&mut refutes, &[], false, &samples)
+        });
+        kept.sort_unstable();
+        // What is left when the budget is spent may be too much, and too many are no help.
+        if kept.len() > MOST_NAMED || !refutes(&kept) {
+            kept.clear();
+        }
+        self.courses = whole;
+        self.refuted(found.record, kept)
     }
 
     /// Adds a record, whose samples are in order of time and have the lists of the model.

@@ -4,9 +4,7 @@
     reason = "PROOF: one pair of bounds per quantity of a region"
 )]
 
-use super::answer::{
-    Bounds, Conclusion, Identified, IdentifyOptions, Limit, Progress, Refuted, Tile,
-};
+use super::answer::{Bounds, Conclusion, Identified, IdentifyOptions, Limit, Progress, Tile};
 use super::cell::{BELIEVED, Cell, Clash};
 use super::pass::Conflict;
 use super::pave::Paving;
@@ -508,36 +506,22 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The samples that refute all regions, in the record that has to be read farthest.
+    /// Samples that took part last in excluding regions, as candidates, and how far any record was read.
     fn refuted(&self) -> Conclusion {
         let mut all: Vec<(usize, usize)> = Vec::new();
         for clash in &self.clashes {
             match &clash.conflict {
-                Conflict::Value { sample, .. } => all.push((clash.record, *sample)),
-                Conflict::Rows { samples } => all.extend(
-                    samples
-                        .iter()
-                        .filter(|(sample, _)| *sample != BELIEVED)
-                        .map(|(sample, record)| (clash.record.max(*record), *sample)),
-                ),
+                Conflict::Value { sample, .. } => all.push((*sample, clash.record)),
+                Conflict::Rows { samples } => all.extend(samples),
             }
         }
+        all.retain(|(sample, _)| *sample != BELIEVED);
         all.sort_unstable();
         all.dedup();
-        let record = all.last().map_or(0, |last| last.0);
-        let samples: Vec<usize> = all
-            .iter()
-            .filter(|(own, _)| *own == record)
-            .map(|(_, sample)| *sample)
-            .collect();
-        let last = samples.last().copied().unwrap_or(0);
-        let instant = &self.problem.courses[record].instants[last];
-        Conclusion::Inconsistent(Refuted {
-            record,
-            samples,
-            time: instant.time.clone(),
-            line: instant.line,
-        })
+        let record = all.last().map_or(0, |last| last.1);
+        let own = all.iter().filter(|(_, own)| *own == record);
+        let samples: Vec<usize> = own.map(|(sample, _)| *sample).collect();
+        self.problem.refuted(record, samples)
     }
 }
 
