@@ -12,7 +12,7 @@ use super::problem::Problem;
 use super::region::{Region, scales_of};
 use super::rows::{Affine, Rows};
 use super::simplex::{Program, Side};
-use veribound_flow::form::{FormOptions, Parallelotope};
+use veribound_flow::form::Parallelotope;
 use veribound_interval::Interval;
 
 /// A round that leaves more than this share of every axis was not worth it.
@@ -49,7 +49,7 @@ pub(crate) struct Cell {
     /// About how far from linear what is told depends on each axis.
     pub(crate) curvature: Vec<f64>,
     pub(crate) passes: usize,
-    /// Position of a record that was not gone through to its end, and the last sample met.
+    /// For every record the last sample that its start states were followed to.
     pub(crate) reached: Vec<usize>,
 }
 
@@ -62,11 +62,16 @@ pub(crate) struct Clash {
 }
 
 impl Problem {
+    /// Position of the first parameter among the quantities of a region.
+    pub(crate) fn first_param(&self) -> usize {
+        self.courses.len() * self.layout.states
+    }
+
     /// The quantities of a record: its start states and the parameters, by their positions in a region.
     fn quantities_of(&self, record: usize) -> Vec<usize> {
         let n = self.layout.states;
         let starts = record * n..(record + 1) * n;
-        let first = self.courses.len() * n;
+        let first = self.first_param();
         starts.chain(first..first + self.layout.params).collect()
     }
 
@@ -123,12 +128,6 @@ impl Problem {
         passes: &mut usize,
         has_windows: bool,
     ) -> Result<(Cell, f64), (usize, Conflict)> {
-        let options = FormOptions {
-            degree: Some(2),
-            ..FormOptions::default()
-        };
-        let hull = region.hull();
-        let first = self.courses.len() * self.layout.states;
         let axes = region.axes();
         let mut curvature = vec![0.0; axes];
         let mut is_complete = true;
@@ -143,7 +142,7 @@ impl Problem {
             }
             let span = Span { from: 0, until };
             *passes += 1;
-            let passed = pass(self, course, span, (&set, &hull[first..]), options);
+            let passed = pass(self, course, span, &set);
             if let Some(conflict) = passed.conflict {
                 return Err((record, conflict));
             }
@@ -255,18 +254,16 @@ impl Problem {
         parts: &mut Vec<Window>,
         passes: &mut usize,
     ) -> Result<(), (usize, Conflict)> {
-        let options = FormOptions {
-            degree: Some(2),
-            ..FormOptions::default()
-        };
         let course = &self.courses[record];
         let until = course.horizon();
-        let first = self.courses.len() * self.layout.states;
+        let first = self.first_param();
         let params: Vec<usize> = (first..first + self.layout.params).collect();
         let (own, kept) = region.rows_of(&params);
-        let hull = region.hull();
         let mut from = 0;
-        let mut states = self.anchored(parts.last(), &mut from);
+        let mut states = parts.last().and_then(|(passed, ..)| {
+            let part = contract(&passed.rows).ok()?;
+            anchored(passed, &part, &mut from)
+        });
         while let Some(box_) = states {
             let starts = Region::of_box(&box_);
             let fresh = starts.axes();
@@ -283,7 +280,7 @@ impl Problem {
             };
             let span = Span { from, until };
             *passes += 1;
-            let mut passed = pass(self, course, span, (&set, &hull[first..]), options);
+            let mut passed = pass(self, course, span, &set);
             if let Some(conflict) = passed.conflict {
                 return Err((record, conflict));
             }
@@ -307,12 +304,6 @@ impl Problem {
             }
         }
         Ok(())
-    }
-
-    fn anchored(&self, window: Option<&Window>, from: &mut usize) -> Option<Vec<Interval>> {
-        let (passed, ..) = window?;
-        let part = contract(&passed.rows).ok()?;
-        anchored(passed, &part, from)
     }
 }
 

@@ -28,7 +28,7 @@ pub(crate) fn narrow(
     box_: &mut [Interval],
     go_on: &dyn Fn() -> bool,
 ) -> Result<(), Clash> {
-    let first = problem.courses.len() * problem.layout.states;
+    let first = problem.first_param();
     let signals = Signals::new(model);
     for (record, samples) in records.iter().enumerate() {
         let mut observer = Observer::new(model, ObserverOptions::default());

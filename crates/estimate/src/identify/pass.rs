@@ -41,12 +41,7 @@ pub(crate) struct Span {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Conflict {
     /// A quantity cannot have the value that a sample tells.
-    Value {
-        sample: usize,
-        quantity: usize,
-        enclosure: Interval,
-        told: Interval,
-    },
+    Value { sample: usize },
     /// These samples together, each with its record.
     Rows { samples: Vec<(usize, usize)> },
 }
@@ -73,7 +68,6 @@ struct Meeter<'a> {
     problem: &'a Problem,
     course: &'a Course,
     span: Span,
-    params: &'a [Interval],
     rows: Rows,
     reached: usize,
     is_complete: bool,
@@ -86,25 +80,23 @@ struct Meeter<'a> {
     over: &'a Shared<bool>,
 }
 
-/// Moves a set of states at the sample `span.from`, with parameters, to the sample `span.until`; `params` is a box
-/// around these. The unknowns are narrowed on the way.
+/// Moves a set of states at the sample `span.from`, with parameters, to the sample `span.until`. The unknowns are
+/// narrowed on the way.
 ///
 /// Guarantee: every solution in the set that agrees with all samples on the way has unknowns that the result
 /// tells, and satisfies its rows; a conflict proves that there is none.
-pub(crate) fn pass(
-    problem: &Problem,
-    course: &Course,
-    span: Span,
-    (set, params): (&Parallelotope, &[Interval]),
-    options: FormOptions,
-) -> Passed {
+pub(crate) fn pass(problem: &Problem, course: &Course, span: Span, set: &Parallelotope) -> Passed {
+    // Rows are affine, and what is not is best known by polynomials of the next degree.
+    let options = FormOptions {
+        degree: Some(2),
+        ..FormOptions::default()
+    };
     let form = problem.flow.start_in(set, options);
     let over = Shared::new(false);
     let mut meeter = Meeter {
         problem,
         course,
         span,
-        params,
         rows: Rows::new(form.scales().len()),
         reached: span.from,
         is_complete: true,
@@ -155,7 +147,7 @@ impl Meeter<'_> {
         let inputs = &instant.inputs;
         let form = meeting.form;
         let both = self.course.inputs_at(sample);
-        if self.problem.flow.may_jump(&form.hull(), self.params, &both) {
+        if self.problem.flow.may_jump(form, &both) {
             self.is_complete = false;
             return;
         }
@@ -169,7 +161,7 @@ impl Meeter<'_> {
             let rest = strip.remainder + Interval::point(strip.centre);
             let reach: f64 = strip.slopes.iter().map(|g| g.abs()).sum();
             let reach = Interval::symmetric(reach * (1.0 + 1e-12));
-            self.judge(sample, (*quantity, rest + reach, *told));
+            self.judge(sample, rest + reach, *told);
             if *quantity < self.problem.outputs {
                 let is_blurred = strip.remainder.width() > BLURRED * told.width();
                 clear |= !is_blurred;
@@ -209,14 +201,9 @@ impl Meeter<'_> {
         }
     }
 
-    fn judge(&mut self, sample: usize, (quantity, enclosure, told): (usize, Interval, Interval)) {
+    fn judge(&mut self, sample: usize, enclosure: Interval, told: Interval) {
         if !enclosure.intersects(told) && !enclosure.is_empty() {
-            self.conflict.get_or_insert(Conflict::Value {
-                sample,
-                quantity,
-                enclosure,
-                told,
-            });
+            self.conflict.get_or_insert(Conflict::Value { sample });
         }
     }
 

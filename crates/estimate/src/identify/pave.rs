@@ -251,7 +251,7 @@ impl<'a> Paving<'a> {
 
     /// Cuts off what the cell excludes; the rest is open, with the rows of the cell.
     fn moved(&mut self, params: Vec<Interval>, cell: Cell) {
-        let first = self.problem.courses.len() * self.problem.layout.states;
+        let first = self.problem.first_param();
         let mut rest = params;
         for param in 0..rest.len() {
             let (bounds, because) = cell.outer_because(first + param);
@@ -367,7 +367,7 @@ impl Local {
     /// point of these, rows that are met by all `δ` of the tile prove it.
     fn says(&self, params: &[Interval], problem: &Problem) -> Said {
         let cell = &self.cell;
-        let first = problem.courses.len() * problem.layout.states;
+        let first = problem.first_param();
         let mut wide = cell.part.clone();
         let mut is_inside = cell.is_complete;
         let mut narrow: Vec<Interval> = self.starts.iter().map(|x| Interval::point(*x)).collect();

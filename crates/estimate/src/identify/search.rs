@@ -111,7 +111,7 @@ impl<'a> Search<'a> {
 
     /// First of the parameters among the quantities.
     fn first(&self) -> usize {
-        self.problem.courses.len() * self.problem.layout.states
+        self.problem.first_param()
     }
 
     fn quantities(&self) -> usize {

@@ -144,12 +144,13 @@ impl Flow {
         journey.run()
     }
 
-    /// Whether a state in `states` may jump at once, with parameters and inputs in these.
-    pub fn may_jump(&self, states: &[Interval], params: &[Interval], inputs: &[Interval]) -> bool {
+    /// Whether a solution of the form may jump at once, with inputs in these.
+    pub fn may_jump(&self, form: &Form, inputs: &[Interval]) -> bool {
         if self.switching.sets.is_empty() {
             return false;
         }
-        let field = self.switching.field(&[states, params, inputs].concat());
+        let quantities = [&form.hull()[..], &form.param_box(), inputs].concat();
+        let field = self.switching.field(&quantities);
         field.is_none_or(|field| self.switching.jump_possible(&field.signs()))
     }
 

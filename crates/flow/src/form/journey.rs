@@ -230,7 +230,11 @@ impl<'a> Journey<'a> {
         while self.current < self.stretches.len() {
             if self.left.hi() <= 0.0 {
                 self.form.elapsed = self.begin + self.stretches[self.current].dt;
-                let end = self.form.hull();
+                // Who meets the form asks it for what is wanted.
+                let end = match self.meet {
+                    Some(_) => self.form.quick_hull(),
+                    None => self.form.hull(),
+                };
                 self.proved.end(end.clone(), self.form.tube.clone());
                 if self.acting.as_ref().is_some_and(Acting::depends_on_inputs) {
                     self.acting = None;
