@@ -28,8 +28,8 @@ pub use results::enclosed::{
 };
 pub use results::folder::{CompleteFile, ResultFile, ResultFolder};
 pub use results::identified::{
-    IdentifiedParameter, IdentifiedStart, IdentifiedState, IdentifiedSummary, IdentifiedWork,
-    Paving, RefutedTogether,
+    IdentifiedParameter, IdentifiedReset, IdentifiedStart, IdentifiedState, IdentifiedSummary,
+    IdentifiedWork, LeastErrors, Paving, RefutedTogether,
 };
 pub use results::run_info::{FileInfo, Platform, Program, RecordInfo, RunInfo};
 pub use results::start::Start;

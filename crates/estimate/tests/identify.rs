@@ -12,7 +12,7 @@ mod common;
 
 use common::{Rng, read};
 use veribound_estimate::identify::{
-    Conclusion, Identified, IdentifyOptions, Reason, Status, Tile, identify,
+    Conclusion, Identified, IdentifyOptions, Reason, Status, Tile, identify, least_error,
 };
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{Model, Sample};
@@ -414,4 +414,106 @@ fn threads_and_interruptions() {
     covers(&early.tiles, &[interval(0.0, 1.0), interval(0.0, 1.0)]);
     let is_open = |tile: &Tile| tile.reason == Reason::Budget;
     assert!(early.tiles.iter().any(is_open));
+}
+
+/// What rests is measured at 0 and at 1 with errors of 0.1: five times as much is needed, and enough.
+#[test]
+fn the_least_error_of_two_measurements_of_one_thing() {
+    let text = "format = 1\nstates = [\"x\"]\ninit.x = [-10, 10]\n[der]\nx = \"0\"\n[outputs]\ny = \"x +- 0.1\"\n";
+    let model = read("rest", text);
+    let told = [
+        (0.0, Some(interval(-0.1, 0.1))),
+        (1.0, Some(interval(0.9, 1.1))),
+    ];
+    let found = least_error(
+        &model,
+        &[samples(&told, &[])],
+        &IdentifyOptions::default(),
+        &|_| true,
+    );
+    assert!(
+        found.factor.lo() <= 5.0 && 5.0 <= found.factor.hi(),
+        "{found:?}"
+    );
+    assert!(found.factor.width() < 3e-5, "{found:?}");
+    // A record that agrees as it is: half the width of what is left.
+    let told = [
+        (0.0, Some(interval(-0.1, 0.1))),
+        (1.0, Some(interval(0.0, 0.2))),
+    ];
+    let found = least_error(
+        &model,
+        &[samples(&told, &[])],
+        &IdentifyOptions::default(),
+        &|_| true,
+    );
+    assert!(
+        found.factor.lo() <= 0.5 && 0.5 <= found.factor.hi(),
+        "{found:?}"
+    );
+    assert!(found.factor.width() < 3e-5, "{found:?}");
+}
+
+/// The least error of a decay, against a search over the parameter with the exact solution, at random; some need less
+/// than was declared, some more. With a little less than it nothing agrees, with a little more something does.
+#[test]
+fn the_least_error_of_a_decay() {
+    let text = "format = 1\nstates = [\"x\"]\ninit.x = [0.5, 2]\nparams.k = [0.1, 2]\n[der]\nx = \"-k*x\"\n\
+        [outputs]\ny = \"x +- 0\"\n";
+    let model = read("decay", text);
+    let mut rng = Rng(31);
+    for round in 0..6 {
+        let (k, x, error) = (rng.between(0.4, 1.5), rng.between(0.8, 1.6), 0.01);
+        let rows: Vec<(f64, Option<Interval>)> = (0..=8)
+            .map(|n| {
+                let time = 0.25 * f64::from(n);
+                let spread = if round % 2 == 0 { 0.8 } else { 3.0 } * error;
+                let middle = x * (-k * time).exp() + rng.between(-spread, spread);
+                (time, Some(interval(middle - error, middle + error)))
+            })
+            .collect();
+        // For a rate the best start is a problem in one unknown; the worst error is convex in it.
+        let worst = |k: f64, x: f64| {
+            let off = rows
+                .iter()
+                .map(|(time, told)| (x * (-k * time).exp() - told.unwrap().mid()).abs() / error);
+            off.fold(0.0, f64::max)
+        };
+        let best_start = |k: f64| {
+            let (mut lo, mut hi) = (0.5, 2.0);
+            for _ in 0..120 {
+                let (a, b) = (lo + (hi - lo) / 3.0, hi - (hi - lo) / 3.0);
+                if worst(k, a) < worst(k, b) {
+                    hi = b
+                } else {
+                    lo = a
+                }
+            }
+            worst(k, 0.5 * (lo + hi))
+        };
+        let grid = (0..4000).map(|n| 0.1 + 1.9 * f64::from(n) / 4000.0);
+        let around = grid
+            .min_by(|a, b| best_start(*a).total_cmp(&best_start(*b)))
+            .unwrap();
+        let fine = (-400..=400).map(|n| around + 1e-6 * f64::from(n) * 2.0);
+        let least = fine.map(best_start).fold(f64::INFINITY, f64::min);
+        let record = samples(&rows, &[]);
+        let options = IdentifyOptions {
+            tightness: 1.001,
+            ..IdentifyOptions::default()
+        };
+        let found = least_error(&model, &[record], &options, &|_| true);
+        assert!(found.factor.lo() <= least, "{found:?} {least}");
+        assert!(
+            found.factor.hi() >= least * (1.0 - 1e-3),
+            "{found:?} {least}"
+        );
+        assert!(found.factor.width() < 0.01 * least, "{found:?} {least}");
+        let point = found.point.clone().unwrap();
+        let reached = best_start(point[0].mid());
+        assert!(
+            reached <= found.factor.hi() * (1.0 + 1e-9),
+            "{found:?} {reached}"
+        );
+    }
 }

@@ -31,6 +31,12 @@ pub struct IdentifiedSummary {
     pub parameters: Vec<(String, IdentifiedParameter)>,
     /// Start states, by record.
     pub starts: Vec<IdentifiedStart>,
+    /// Values of parameters after resets, in order of records and time.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub resets: Vec<IdentifiedReset>,
+    /// How large measurement errors must be at least, if that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_error: Option<LeastErrors>,
     /// The paving, if one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paving: Option<Paving>,
@@ -84,6 +90,30 @@ pub struct IdentifiedStart {
     /// Every state under its name, in the order of the model.
     #[serde(serialize_with = "by_name")]
     pub states: Vec<(String, IdentifiedState)>,
+}
+
+/// The value of one parameter between two resets that there may have been.
+#[derive(Debug, Clone, Serialize)]
+pub struct IdentifiedReset {
+    record: String,
+    parameter: String,
+    from: Number,
+    until: Number,
+    #[serde(flatten)]
+    bounds: TwoSided,
+    unit: String,
+}
+
+/// How large measurement errors must be at least for the model and the records to agree, as multiple of the declared ones.
+#[derive(Debug, Clone, Serialize)]
+pub struct LeastErrors {
+    /// With less nothing agrees.
+    at_least: Number,
+    /// With this something does; `null` where none is known.
+    enough: Number,
+    /// Parameters with which it does.
+    #[serde(serialize_with = "by_name", skip_serializing_if = "Vec::is_empty")]
+    parameters: Vec<(String, Ends)>,
 }
 
 /// Samples that refute the model together.
@@ -159,6 +189,43 @@ impl IdentifiedState {
         IdentifiedState {
             bounds: TwoSided::new(outer, inner, tightness),
             unit: state.unit.clone(),
+        }
+    }
+}
+
+impl IdentifiedReset {
+    /// What is proved of a parameter of the record `record` between two time stamps, as
+    /// [`IdentifiedParameter::new`] says.
+    pub fn new(
+        record: String,
+        param: &Param,
+        (from, until): (&Decimal, &Decimal),
+        (outer, inner): (Interval, Option<Interval>),
+        tightness: f64,
+    ) -> Self {
+        let outer = Ends::inside_prior(outer, param.bounds);
+        IdentifiedReset {
+            record,
+            parameter: param.name.clone(),
+            from: Number::new(from.to_string()),
+            until: Number::new(until.to_string()),
+            bounds: TwoSided::new(outer, inner, tightness),
+            unit: param.unit.clone(),
+        }
+    }
+}
+
+impl LeastErrors {
+    /// Nothing agrees below the lower end of `factor`, something does at its upper end, with these parameters.
+    pub fn new(factor: Interval, params: &[Param], point: Option<&[Interval]>) -> Self {
+        let point = point.unwrap_or_default();
+        let both = params.iter().zip(point);
+        LeastErrors {
+            at_least: Number::new(text::lower(factor.lo(), DIGITS)),
+            enough: Number::new(text::upper(factor.hi(), DIGITS)),
+            parameters: both
+                .map(|(param, x)| (param.name.clone(), Ends::inside_prior(*x, param.bounds)))
+                .collect(),
         }
     }
 }
@@ -251,6 +318,8 @@ mod tests {
                 record: "r.csv".to_owned(),
                 states: vec![("x".to_owned(), start)],
             }],
+            resets: Vec::new(),
+            least_error: None,
             paving: Some(Paving::new(
                 12,
                 interval(third, third),

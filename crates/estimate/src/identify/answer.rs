@@ -117,6 +117,36 @@ pub struct Refuted {
     pub line: usize,
 }
 
+/// The value of a parameter between two resets that there may have been. Values that may be reset again at the next sample
+/// are not told.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AfterReset {
+    /// Position of the parameter.
+    pub param: usize,
+    /// Time stamp of the sample from which on it holds.
+    pub from: Decimal,
+    /// Time stamp of the next sample at which it may be reset, or of the last of the record.
+    pub until: Decimal,
+    /// Its values that agree with model and records.
+    pub bounds: Bounds,
+}
+
+/// The least measurement errors with which model and records agree.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LeastError {
+    /// Proved: with declared measurement errors (half widths of what samples say of outputs) multiplied by less than the
+    /// lower end of this nothing agrees; multiplied by the upper end, which may be infinite, something does.
+    pub factor: Interval,
+    /// Parameters with which something does, if any are known, as narrow as rounding allows.
+    pub point: Option<Vec<Interval>>,
+    /// Sets that were looked at.
+    pub sets: usize,
+    /// Times that a set was moved through a record.
+    pub passes: usize,
+    /// Whether it ended because it was asked to.
+    pub interrupted: bool,
+}
+
 /// How it ended.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Conclusion {
@@ -133,9 +163,10 @@ pub enum Conclusion {
 pub struct Identified {
     /// How it ended.
     pub conclusion: Conclusion,
-    /// One entry per parameter. Of one that a signal may reset: its value until the first reset there may be, at
-    /// which records end here.
+    /// One entry per parameter. Of one that a signal may reset: its value until the first reset there may be.
     pub params: Vec<Bounds>,
+    /// For every record the values after resets, in order of time.
+    pub resets: Vec<Vec<AfterReset>>,
     /// For every record, one entry per state at its first sample.
     pub starts: Vec<Vec<Bounds>>,
     /// Boxes of parameters with a point in each that is proved to agree with model and records; they are as small as

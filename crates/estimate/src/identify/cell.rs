@@ -6,7 +6,7 @@
 
 use super::answer::Reason;
 use super::eigen::eigenvectors;
-use super::pass::{Conflict, Passed, Span, contract, pass};
+use super::pass::{Conflict, Passed, Set, Span, contract, pass};
 use super::pave::reason_of;
 use super::problem::Problem;
 use super::region::{Region, scales_of};
@@ -32,6 +32,12 @@ const WIDER: f64 = 1.3;
 
 /// Proved points keep so far from the border of the unit box.
 const BORDER: f64 = 1e-6;
+
+/// How far outside of rows, as multiple of half of what they allow, a point may have to be.
+const DEEP: f64 = 16.0;
+
+/// Points that are tried are in this.
+const NEAR_BORDER: f64 = 1.0 - 2.0 * BORDER;
 
 /// Rows that are from no sample say this instead.
 pub(crate) const BELIEVED: usize = u32::MAX as usize;
@@ -62,23 +68,14 @@ pub(crate) struct Clash {
 }
 
 impl Problem {
-    /// Position of the first parameter among the quantities of a region.
-    pub(crate) fn first_param(&self) -> usize {
-        self.courses.len() * self.layout.states
-    }
-
-    /// The quantities of a record: its start states and the parameters, by their positions in a region.
-    fn quantities_of(&self, record: usize) -> Vec<usize> {
-        let n = self.layout.states;
-        let starts = record * n..(record + 1) * n;
-        let first = self.first_param();
-        starts.chain(first..first + self.layout.params).collect()
-    }
-
-    /// What is believed before any sample: start states of all records, then parameters.
-    pub(crate) fn believed(&self) -> Vec<Interval> {
-        let starts = self.courses.iter().flat_map(|course| course.start.iter());
-        starts.chain(&self.prior).copied().collect()
+    /// The quantities that a pass through a record needs beside states: parameters, their values after resets, and
+    /// the factor of errors.
+    fn fixed_of(&self, record: usize) -> Vec<usize> {
+        let factor = self.factor_position();
+        self.params()
+            .chain(self.later(record))
+            .chain(factor)
+            .collect()
     }
 
     /// Narrows a region round by round, until samples tell no more of it; the region may be turned where that is
@@ -134,19 +131,24 @@ impl Problem {
         let mut reached = Vec::new();
         let mut parts = Vec::new();
         for (record, course) in self.courses.iter().enumerate() {
-            let (set, kept) = region.rows_of(&self.quantities_of(record));
-            let until = course.horizon();
+            let starts = self.starts(record).chain(self.fixed_of(record));
+            let (rows, kept) = region.rows_of(&starts.collect::<Vec<_>>());
+            let until = course.end();
             if course.instants.is_empty() {
                 reached.push(until);
                 continue;
             }
-            let span = Span { from: 0, until };
+            let span = Span {
+                from: 0,
+                until,
+                for_points: !has_windows,
+            };
             *passes += 1;
-            let passed = pass(self, course, span, &set);
+            let passed = pass(self, course, span, self.set(record, rows));
             if let Some(conflict) = passed.conflict {
                 return Err((record, conflict));
             }
-            is_complete &= passed.is_complete && until + 1 == course.instants.len();
+            is_complete &= passed.is_complete;
             reached.push(passed.reached);
             for (axis, bend) in kept.iter().zip(&passed.curvature) {
                 curvature[*axis] += bend;
@@ -225,6 +227,27 @@ impl Problem {
     }
 }
 
+impl Problem {
+    /// Rows of states and of [`Problem::fixed_of`] as what a pass moves.
+    fn set(&self, record: usize, mut rows: Parallelotope) -> Set {
+        let moved = self.layout.states + self.layout.params;
+        let rest = rows.rest.split_off(moved);
+        let centre = rows.centre.split_off(moved);
+        let axes = rows.axes.split_off(moved);
+        let affine = axes.into_iter().zip(centre.into_iter().zip(rest));
+        let mut affine = affine.map(|(slopes, (centre, rest))| Affine {
+            slopes,
+            rest: Interval::point(centre) + Interval::symmetric(rest),
+        });
+        let later = self.courses[record].later.len();
+        Set {
+            moved: rows,
+            later: affine.by_ref().take(later).collect(),
+            factor: affine.next(),
+        }
+    }
+}
+
 /// Whether unknowns are in the unit box, and by so much that they are in all those that it was narrowed from, which
 /// rounding may have made a little smaller: rows tell of these alone.
 pub(crate) fn is_well_inside(unknowns: Interval) -> bool {
@@ -255,10 +278,8 @@ impl Problem {
         passes: &mut usize,
     ) -> Result<(), (usize, Conflict)> {
         let course = &self.courses[record];
-        let until = course.horizon();
-        let first = self.first_param();
-        let params: Vec<usize> = (first..first + self.layout.params).collect();
-        let (own, kept) = region.rows_of(&params);
+        let until = course.end();
+        let (own, kept) = region.rows_of(&self.fixed_of(record));
         let mut from = 0;
         let mut states = parts.last().and_then(|(passed, ..)| {
             let part = contract(&passed.rows).ok()?;
@@ -273,14 +294,18 @@ impl Problem {
                 .iter()
                 .map(|row| [&row[..], &zeros(kept.len())].concat());
             let shifted = own.axes.iter().map(|row| [&zeros(fresh)[..], row].concat());
-            let set = Parallelotope {
+            let rows = Parallelotope {
                 centre: [&starts.centre[..], &own.centre].concat(),
                 axes: widened.chain(shifted).collect(),
                 rest: [&starts.rest[..], &own.rest].concat(),
             };
-            let span = Span { from, until };
+            let span = Span {
+                from,
+                until,
+                for_points: false,
+            };
             *passes += 1;
-            let mut passed = pass(self, course, span, &set);
+            let mut passed = pass(self, course, span, self.set(record, rows));
             if let Some(conflict) = passed.conflict {
                 return Err((record, conflict));
             }
@@ -453,13 +478,13 @@ impl Cell {
     }
 
     /// Unknowns that are proved to agree with all records, about where each of the quantities is least and largest.
-    pub(crate) fn points(&self, quantities: std::ops::Range<usize>) -> Vec<Vec<f64>> {
+    pub(crate) fn points(&self, quantities: &[usize]) -> Vec<Vec<f64>> {
         if !self.is_complete {
             return Vec::new();
         }
         let program = Program::new(&self.rows, &self.part, Side::Inner);
         let mut found: Vec<Vec<f64>> = Vec::new();
-        for quantity in quantities {
+        for &quantity in quantities {
             for sign in [1.0, -1.0] {
                 let row = self.region.axes[quantity].iter();
                 let direction: Vec<f64> = row.map(|x| sign * x).collect();
@@ -486,7 +511,10 @@ impl Cell {
                     .iter()
                     .find_map(|share| {
                         let pairs = vertex.iter().zip(&middle);
-                        let point: Vec<f64> = pairs.map(|(x, m)| x + share * (m - x)).collect();
+                        // An unknown that nothing depends on is at its end in every vertex.
+                        let point: Vec<f64> = pairs
+                            .map(|(x, m)| (x + share * (m - x)).clamp(-NEAR_BORDER, NEAR_BORDER))
+                            .collect();
                         self.proves(&point).then_some(point)
                     })
             })
@@ -506,22 +534,40 @@ impl Cell {
             })
     }
 
-    /// About the middle of what is left.
-    pub(crate) fn middle(&self) -> Vec<f64> {
-        let program = Program::new(&self.rows, &self.part, Side::Outer);
+    /// About the unknowns that are farthest from the ends of all rows, as share of what each allows: inside of
+    /// them, or where that is not possible, as little outside as can be; and how far that is.
+    pub(crate) fn deepest(&self) -> (Vec<f64>, f64) {
         let n = self.part.len();
-        let mut middle = vec![0.0; n];
-        for v in 0..n {
-            for sign in [1.0, -1.0] {
-                let mut direction = vec![0.0; n];
-                direction[v] = sign;
-                let vertex = program.minimize(&direction).point;
-                for (sum, x) in middle.iter_mut().zip(vertex) {
-                    *sum += x / (2.0 * n as f64);
-                }
+        let mut rows = Rows::new(n + 1);
+        for row in 0..self.rows.len() {
+            let outer = self.rows.outer(row);
+            let slopes = self.rows.slopes(row);
+            let reach: f64 = slopes.iter().map(|g| g.abs()).sum();
+            let depth = 0.5 * DEEP * outer.width().min(reach);
+            let half = |lo: f64, hi: f64| Interval::new(lo, hi).unwrap_or(Interval::ENTIRE);
+            let sides = [
+                (half(outer.lo(), f64::INFINITY), -depth),
+                (half(f64::NEG_INFINITY, outer.hi()), depth),
+            ];
+            for (side, depth) in sides.into_iter().filter(|side| side.0 != Interval::ENTIRE) {
+                let slopes = [slopes, &[depth]].concat();
+                rows.push(&slopes, Interval::ZERO, side, 0, 0);
             }
         }
-        middle
+        let mut part = self.part.clone();
+        part.push(Interval::symmetric(1.0));
+        let mut direction = vec![0.0; n + 1];
+        direction[n] = -1.0;
+        let vertex = Program::new(&rows, &part, Side::Outer).minimize(&direction);
+        let mut point = vertex.point;
+        let depth = point.pop().unwrap_or(f64::NEG_INFINITY);
+        // An unknown that no row depends on is anywhere.
+        for (v, x) in point.iter_mut().enumerate() {
+            if (0..self.rows.len()).all(|row| self.rows.slopes(row)[v] == 0.0) {
+                *x = self.part[v].mid();
+            }
+        }
+        (point, depth)
     }
 
     /// The halves along the axis that bends most what is told.

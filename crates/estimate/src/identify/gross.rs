@@ -4,12 +4,13 @@
     reason = "PROOF: an estimate has one interval per parameter"
 )]
 
+use std::ops::Range;
+
 use super::cell::Clash;
 use super::pass::Conflict;
 use super::problem::Problem;
 use crate::observer::Observer;
 use crate::options::ObserverOptions;
-use crate::signals::Signals;
 use crate::verdict::Verdict;
 use veribound_interval::Interval;
 use veribound_model::{Model, Sample};
@@ -19,8 +20,8 @@ const ASKS: usize = 256;
 
 /// Narrows the parameters of `box_`, all quantities of the problem, by observers over the records.
 ///
-/// Guarantee: no parameters that agree with all records are lost; a clash proves that there are none. Parameters
-/// that a signal can reset are left as they are, since an observer tells only their last values.
+/// Guarantee: no parameters that agree with all records are lost, nor values after resets; a clash proves that there are
+/// none.
 pub(crate) fn narrow(
     problem: &Problem,
     model: &Model,
@@ -28,19 +29,28 @@ pub(crate) fn narrow(
     box_: &mut [Interval],
     go_on: &dyn Fn() -> bool,
 ) -> Result<(), Clash> {
-    let first = problem.first_param();
-    let signals = Signals::new(model);
     for (record, samples) in records.iter().enumerate() {
         let mut observer = Observer::new(model, ObserverOptions::default());
-        let known = box_[first..].to_vec();
+        let known = box_[problem.params()].to_vec();
         observer.start_from(&[known]);
-        let mut params = None;
+        let course = &problem.courses[record];
+        // Positions of the parameter and of the quantity, and the samples at which it has this value.
+        let first = problem.params().enumerate();
+        let first = first.map(|(param, quantity)| (param, quantity, 0..course.first_reset(param)));
+        let later = course.later.iter().zip(problem.later(record));
+        let later = later.map(|(later, quantity)| (later.param, quantity, later.from..later.until));
+        let values: Vec<(usize, usize, Range<usize>)> = first.chain(later).collect();
         for (position, sample) in samples.iter().enumerate() {
             if position % ASKS == 0 && !go_on() {
                 break;
             }
             match observer.step(sample) {
-                Ok(Verdict::Consistent(estimate)) => params = Some(estimate.params),
+                Ok(Verdict::Consistent(estimate)) => {
+                    let own = values.iter().filter(|own| own.2.contains(&position));
+                    for (param, quantity, _) in own {
+                        box_[*quantity] = box_[*quantity].intersect(estimate.params[*param]);
+                    }
+                }
                 Ok(Verdict::Inconsistent(_)) => {
                     let samples = (0..=position).map(|sample| (sample, record)).collect();
                     return Err(Clash {
@@ -51,11 +61,6 @@ pub(crate) fn narrow(
                 }
                 // What was proved until then stays.
                 Ok(Verdict::Undecided(_)) | Err(_) => break,
-            }
-        }
-        for (param, known) in params.into_iter().flatten().enumerate() {
-            if !signals.can_reset(param) {
-                box_[first + param] = box_[first + param].intersect(known);
             }
         }
     }

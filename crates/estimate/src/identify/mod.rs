@@ -13,12 +13,14 @@ mod search;
 mod simplex;
 
 pub use answer::{
-    Bounds, Conclusion, Identified, IdentifyOptions, Limit, Progress, Reason, Refuted, Status, Tile,
+    AfterReset, Bounds, Conclusion, Identified, IdentifyOptions, LeastError, Limit, Progress,
+    Reason, Refuted, Status, Tile,
 };
 
 use problem::Problem;
 use region::Region;
 use search::Search;
+use veribound_interval::Interval;
 use veribound_model::{Model, Sample};
 
 /// Bounds the parameters of `model` that agree with all `records`, each with start states of its own and samples in
@@ -31,45 +33,117 @@ pub fn identify(
     options: &IdentifyOptions,
     go_on: &(dyn Fn(&Progress) -> bool + Sync),
 ) -> Identified {
+    let work = || {
+        let problem = Problem::of(model, records);
+        let mut search = Search::new(&problem, options);
+        searched(&mut search, (model, records), go_on);
+        let tiles = match options.undecided {
+            Some(share) => search.pave(share, go_on),
+            None => Vec::new(),
+        };
+        let mut found = search.answer(tiles);
+        if let Conclusion::Inconsistent(refuted) = found.conclusion {
+            found.conclusion = problem.confirm(refuted);
+        }
+        found
+    };
+    on_threads(options.threads, work)
+}
+
+/// How often the largest factor tried is taken of the one before.
+const LARGER: f64 = 8.0;
+
+/// Factors that are tried at most: measurement errors that large say nothing.
+const LARGEST: f64 = 1e9;
+
+/// The least factor of all measurement errors with which `model` agrees with all `records`, from both sides. Inputs and
+/// signals are taken as they are.
+///
+/// Guarantee: that of [`LeastError`], also where `go_on` ends it early.
+pub fn least_error(
+    model: &Model,
+    records: &[Vec<Sample>],
+    options: &IdentifyOptions,
+    go_on: &(dyn Fn(&Progress) -> bool + Sync),
+) -> LeastError {
+    let work = || {
+        let mut problem = Problem::of(model, records);
+        let mut found = LeastError {
+            factor: Interval::new(0.0, f64::INFINITY).unwrap_or(Interval::ENTIRE),
+            point: None,
+            sets: 0,
+            passes: 0,
+            interrupted: false,
+        };
+        let mut tried = Interval::new(0.0, 2.0);
+        while let Some(factor) = tried.filter(|factor| factor.hi() < LARGEST) {
+            problem.factor = Some(factor);
+            let mut search = Search::new(&problem, options);
+            let wider: Vec<Vec<Sample>> = records
+                .iter()
+                .map(|samples| {
+                    samples
+                        .iter()
+                        .map(|sample| scaled(sample, factor.hi()))
+                        .collect()
+                })
+                .collect();
+            searched(&mut search, (model, &wider), go_on);
+            let (below, least) = search.least();
+            let spent = search.answer(Vec::new());
+            found.sets += spent.sets;
+            found.passes += spent.passes;
+            found.interrupted = spent.interrupted;
+            let above = least.as_ref().map_or(f64::INFINITY, |least| least.0);
+            let known = Interval::new(below.max(found.factor.lo()), above);
+            found.factor = known.unwrap_or(found.factor);
+            found.point = least.map(|least| least.1);
+            if found.point.is_some() || found.interrupted || below < factor.hi() {
+                break;
+            }
+            tried = Interval::new(factor.hi(), factor.hi() * LARGER);
+        }
+        found
+    };
+    on_threads(options.threads, work)
+}
+
+/// A sample with measurement errors that many times as large, about: it is not narrower than what rows are made from.
+fn scaled(sample: &Sample, times: f64) -> Sample {
+    let mut sample = sample.clone();
+    for told in sample.outputs.iter_mut().flatten() {
+        *told = rows::widened(*told, times);
+    }
+    sample
+}
+
+/// Divides the prior, after the observer where it is too wide for forms.
+fn searched(
+    search: &mut Search<'_>,
+    (model, records): (&Model, &[Vec<Sample>]),
+    go_on: &(dyn Fn(&Progress) -> bool + Sync),
+) {
+    let problem = search.problem();
+    let mut believed = problem.believed();
+    if search.reaches(&believed) {
+        search.run(None, go_on);
+        return;
+    }
+    let alive = || go_on(&search.progress());
+    match gross::narrow(problem, model, records, &mut believed, &alive) {
+        Ok(()) => search.run(Some(Region::of_box(&believed)), go_on),
+        Err(clash) => search.refute(clash),
+    }
+}
+
+/// Does the work with so many threads.
+fn on_threads<R: Send>(threads: usize, work: impl FnOnce() -> R + Send) -> R {
     let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(options.threads.max(1))
+        .num_threads(threads.max(1))
         .build();
-    let work = || on_these_threads(model, records, options, go_on);
     match pool {
         Ok(pool) => pool.install(work),
         // The system gives no threads: the one at hand does it.
         Err(_) => work(),
     }
-}
-
-fn on_these_threads(
-    model: &Model,
-    records: &[Vec<Sample>],
-    options: &IdentifyOptions,
-    go_on: &(dyn Fn(&Progress) -> bool + Sync),
-) -> Identified {
-    let mut problem = Problem::new(model);
-    for samples in records {
-        problem.add(model, samples);
-    }
-    let mut search = Search::new(&problem, options);
-    let mut believed = problem.believed();
-    if search.reaches(&believed) {
-        search.run(None, go_on);
-    } else {
-        let alive = || go_on(&search.progress());
-        match gross::narrow(&problem, model, records, &mut believed, &alive) {
-            Ok(()) => search.run(Some(Region::of_box(&believed)), go_on),
-            Err(clash) => search.refute(clash),
-        }
-    }
-    let tiles = match options.undecided {
-        Some(share) => search.pave(share, go_on),
-        None => Vec::new(),
-    };
-    let mut found = search.answer(tiles);
-    if let Conclusion::Inconsistent(refuted) = found.conclusion {
-        found.conclusion = problem.confirm(refuted);
-    }
-    found
 }

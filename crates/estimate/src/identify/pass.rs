@@ -6,9 +6,9 @@
 
 use std::cell::Cell as Shared;
 
-use super::problem::{Course, Problem};
+use super::problem::{Course, Problem, Value};
 use super::region::scales_of;
-use super::rows::{Affine, Rows};
+use super::rows::{Affine, Rows, Scaled};
 use super::simplex::{Program, Side, minimum, refutes};
 use veribound_flow::form::{Arriving, Form, FormOptions, Meeting, Parallelotope};
 use veribound_interval::Interval;
@@ -29,12 +29,31 @@ const BLURRED: f64 = 2.0;
 /// and a pass ends after so many of these in a row.
 const HIDDEN: usize = 12;
 
+/// Ends of the values that a parameter can have for one stretch are cut off in so many halvings.
+const HALVINGS: usize = 30;
+
+/// and in no more where none of the first so many did.
+const ROUGHLY: usize = 8;
+
 /// What is asked of a pass.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Span {
     /// First and last sample.
     pub(crate) from: usize,
     pub(crate) until: usize,
+    /// Only points are wanted that are proved to agree: where any value of a parameter does, one is taken.
+    pub(crate) for_points: bool,
+}
+
+/// Quantities at the first sample of a pass, as functions of its unknowns in the unit box.
+#[derive(Debug, Clone)]
+pub(crate) struct Set {
+    /// States, then parameters before any reset.
+    pub(crate) moved: Parallelotope,
+    /// Parameters after resets.
+    pub(crate) later: Vec<Affine>,
+    /// The factor of errors.
+    pub(crate) factor: Option<Affine>,
 }
 
 /// Why a set contains no solution that agrees with the record.
@@ -68,6 +87,13 @@ struct Meeter<'a> {
     problem: &'a Problem,
     course: &'a Course,
     span: Span,
+    /// Sample at the begin of the journey at hand, and at its end.
+    begin: usize,
+    end: usize,
+    /// The form at its end.
+    arrived: Option<Form>,
+    later: Vec<Affine>,
+    factor: Option<Affine>,
     rows: Rows,
     reached: usize,
     is_complete: bool,
@@ -84,19 +110,25 @@ struct Meeter<'a> {
 /// narrowed on the way.
 ///
 /// Guarantee: every solution in the set that agrees with all samples on the way has unknowns that the result
-/// tells, and satisfies its rows; a conflict proves that there is none.
-pub(crate) fn pass(problem: &Problem, course: &Course, span: Span, set: &Parallelotope) -> Passed {
+/// tells, and satisfies its rows; a conflict proves that there is none. If only points are wanted, nothing but
+/// the inner rows is proved.
+pub(crate) fn pass(problem: &Problem, course: &Course, span: Span, set: Set) -> Passed {
     // Rows are affine, and what is not is best known by polynomials of the next degree.
     let options = FormOptions {
         degree: Some(2),
         ..FormOptions::default()
     };
-    let form = problem.flow.start_in(set, options);
+    let mut form = problem.flow.start_in(&set.moved, options);
     let over = Shared::new(false);
     let mut meeter = Meeter {
         problem,
         course,
         span,
+        begin: span.from,
+        end: span.from,
+        arrived: None,
+        later: set.later,
+        factor: set.factor,
         rows: Rows::new(form.scales().len()),
         reached: span.from,
         is_complete: true,
@@ -108,27 +140,46 @@ pub(crate) fn pass(problem: &Problem, course: &Course, span: Span, set: &Paralle
         anchor: None,
         over: &over,
     };
-    let stretches = &course.stretches[span.from..span.until];
-    let steps = Shared::new(0);
-    let meet = &mut |meeting: Meeting<'_>| {
-        steps.set(0);
-        meeter.meet(meeting);
-    };
-    let go_on = |_: &Form| {
-        steps.set(steps.get() + 1);
-        !over.get() && steps.get() <= MOST_STEPS
-    };
-    let moved = problem.flow.follow(form, stretches, meet, &go_on);
-    let is_complete = meeter.is_complete && moved.is_ok() && meeter.reached == span.until;
+    // From one reset to the next.
+    loop {
+        meeter.renew(&mut form);
+        let begin = meeter.begin;
+        let reset = course.next_reset(begin + 1, span.until + 1);
+        meeter.end = reset.unwrap_or(span.until).max(begin);
+        let stretches = &course.stretches[begin..meeter.end];
+        let steps = Shared::new(0);
+        let meet = &mut |meeting: Meeting<'_>| {
+            steps.set(0);
+            meeter.meet(meeting, reset.is_some());
+        };
+        let go_on = |_: &Form| {
+            steps.set(steps.get() + 1);
+            !over.get() && steps.get() <= MOST_STEPS
+        };
+        let moved = problem.flow.follow(form, stretches, meet, &go_on);
+        meeter.is_complete &= moved.is_ok();
+        match meeter.arrived.take() {
+            Some(arrived) if reset.is_some() && moved.is_ok() && !over.get() => form = arrived,
+            _ => break,
+        }
+        meeter.begin = meeter.end;
+    }
     Passed {
+        is_complete: meeter.is_complete && meeter.reached == span.until,
         scales: meeter.scales,
         rows: meeter.rows,
         reached: meeter.reached,
-        is_complete,
         conflict: meeter.conflict,
         curvature: meeter.curvature,
         anchor: meeter.anchor,
     }
+}
+
+/// A state that is told to be at a point is there, where the form does not say it as well.
+fn hold(form: &mut Form, state: usize, told: Interval) {
+    let mut states = vec![Interval::ENTIRE; form.strips().len()];
+    states[state] = told;
+    form.restrict(&states);
 }
 
 fn scales(form: &Form) -> Vec<(Interval, Interval)> {
@@ -137,11 +188,100 @@ fn scales(form: &Form) -> Vec<(Interval, Interval)> {
 }
 
 impl Meeter<'_> {
-    fn meet(&mut self, meeting: Meeting<'_>) {
+    /// Gives parameters the values that they may have from the sample `begin` on.
+    fn renew(&mut self, form: &mut Form) {
+        let first = self.begin == self.span.from;
+        for param in 0..self.problem.layout.params {
+            let is_reset = self.course.instants[self.begin].resets.contains(&param);
+            if !is_reset && !first {
+                continue;
+            }
+            match self.course.value(param, self.begin) {
+                Value::First => {}
+                Value::Later(position) => {
+                    let later = &self.later[position];
+                    form.set_param(param, &later.slopes, later.rest);
+                }
+                Value::Passing => {
+                    let value = self.passing(form, param);
+                    form.set_param(param, &[], value);
+                }
+            }
+        }
+    }
+
+    /// The values of a parameter for one stretch with which what states are told to be at its end can be.
+    ///
+    /// One of them stands for all where it makes no difference: where everything rests with any of them, and no output
+    /// depends on it.
+    fn passing(&mut self, form: &Form, param: usize) -> Interval {
+        let believed = self.problem.prior[param];
+        let course = self.course;
+        let Some(stretch) = course.stretches.get(self.begin) else {
+            return believed;
+        };
+        let states = form.hull();
+        let mut params = form.param_box();
+        let mut after = |part: Interval| {
+            params[param] = part;
+            self.problem.flow.box_after(&states, &params, stretch)
+        };
+        let is_told = self.problem.is_told_of[param];
+        if !is_told && after(believed).is_some_and(|after| after.rests) {
+            return Interval::point(believed.mid());
+        }
+        let told = course.instants[self.begin + 1].told.iter();
+        let told = told.filter_map(|(quantity, told)| {
+            Some((self.problem.quantities[*quantity].state()?, *told))
+        });
+        let told: Vec<(usize, Interval)> = told.collect();
+        let mut is_excluded = |lo: f64, hi: f64| {
+            let after = Interval::new(lo, hi).and_then(&mut after);
+            after.is_some_and(|after| {
+                let mut told = told.iter();
+                told.any(|(state, told)| !after.states[*state].intersects(*told))
+            })
+        };
+        let (mut lo, mut hi) = (believed.lo(), believed.hi());
+        for is_lower in [true, false] {
+            let mut step = hi - lo;
+            for halving in 0..HALVINGS {
+                step *= 0.5;
+                let (from, to) = if is_lower {
+                    (lo, lo + step)
+                } else {
+                    (hi - step, hi)
+                };
+                if from < to && from >= lo && to <= hi && is_excluded(from, to) {
+                    if is_lower {
+                        lo = to;
+                    } else {
+                        hi = from;
+                    }
+                } else if halving > ROUGHLY && hi - lo == believed.width() {
+                    break;
+                }
+            }
+        }
+        let left = Interval::new(lo, hi).unwrap_or(believed);
+        if self.span.for_points {
+            Interval::point(left.mid())
+        } else {
+            self.is_complete = false;
+            left
+        }
+    }
+
+    fn meet(&mut self, meeting: Meeting<'_>, ends_in_reset: bool) {
         if self.over.get() {
             return;
         }
-        let sample = self.span.from + meeting.stretch;
+        let sample = self.begin + meeting.stretch;
+        if sample == self.end && ends_in_reset {
+            // It is met with the new values.
+            self.arrived = Some(meeting.form.clone());
+            return;
+        }
         let instant = &self.course.instants[sample];
         self.reached = sample;
         let inputs = &instant.inputs;
@@ -151,6 +291,7 @@ impl Meeter<'_> {
             self.is_complete = false;
             return;
         }
+        let factor = self.factor.clone();
         let (mut clear, mut blurred) = (false, false);
         for (quantity, told) in &instant.told {
             let on_forms = &self.problem.quantities[*quantity];
@@ -161,7 +302,15 @@ impl Meeter<'_> {
             let rest = strip.remainder + Interval::point(strip.centre);
             let reach: f64 = strip.slopes.iter().map(|g| g.abs()).sum();
             let reach = Interval::symmetric(reach * (1.0 + 1e-12));
-            self.judge(sample, rest + reach, *told);
+            let scaled = match &factor {
+                Some(factor) if *quantity < self.problem.outputs => Scaled::of(*told, factor),
+                _ => None,
+            };
+            let largest = scaled.as_ref().map_or(*told, Scaled::largest);
+            self.judge(sample, rest + reach, largest);
+            if let (Some(state), true) = (on_forms.state(), told.is_point()) {
+                hold(form, state, *told);
+            }
             if *quantity < self.problem.outputs {
                 let is_blurred = strip.remainder.width() > BLURRED * told.width();
                 clear |= !is_blurred;
@@ -172,9 +321,14 @@ impl Meeter<'_> {
                     && arriving.level.is_point()
                     && arriving.level == *told
             });
-            match arriving {
-                None => self.rows.push(&strip.slopes, rest, *told, sample, 0),
-                Some(arriving) => self.arrived(arriving, sample),
+            match (arriving, &scaled) {
+                (None, None) => self.rows.push(&strip.slopes, rest, *told, sample, 0),
+                (None, Some(scaled)) => {
+                    for (slopes, rest, told) in scaled.rows(&strip.slopes, rest) {
+                        self.rows.push(&slopes, rest, told, sample, 0);
+                    }
+                }
+                (Some(arriving), _) => self.arriving(arriving, sample),
             }
         }
         if clear {
@@ -209,7 +363,7 @@ impl Meeter<'_> {
 
     /// A sample tells that a state is on the level that it is on its way to: without capture it would be there or
     /// beyond.
-    fn arrived(&mut self, arriving: &Arriving, sample: usize) {
+    fn arriving(&mut self, arriving: &Arriving, sample: usize) {
         let level = arriving.level;
         let beyond = if arriving.from_above {
             Interval::new(f64::NEG_INFINITY, level.hi())
@@ -232,8 +386,10 @@ impl Meeter<'_> {
                     form.narrow(&parts);
                     let by = scales_of(&parts);
                     self.rows.rescale(&by);
-                    for state in self.anchor.iter_mut().flat_map(|(_, states)| states) {
-                        state.rescale(&by);
+                    let states = self.anchor.iter_mut().flat_map(|(_, states)| states);
+                    let fixed = self.later.iter_mut().chain(&mut self.factor);
+                    for affine in states.chain(fixed) {
+                        affine.rescale(&by);
                     }
                     self.scales = scales(form);
                 }

@@ -208,11 +208,8 @@ impl<'a> Paving<'a> {
             return true;
         }
         let problem = self.problem;
-        let starts: Vec<Interval> = problem
-            .courses
-            .iter()
-            .flat_map(|course| course.start.iter().copied())
-            .collect();
+        let mut starts = problem.believed();
+        starts.truncate(problem.first_param());
         let cells: Vec<_> = waiting
             .par_iter()
             .map(|open| {
@@ -280,7 +277,7 @@ impl<'a> Paving<'a> {
                 row.iter().position(|x| *x != 0.0)
             })
             .collect();
-        let starts = cell.middle();
+        let starts = cell.deepest().0;
         let local = Local { cell, axes, starts };
         let widest = |a: &usize, b: &usize| {
             let share = |p: usize| rest[p].width() / self.problem.prior[p].width().max(1e-300);

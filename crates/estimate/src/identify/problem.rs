@@ -4,12 +4,14 @@
     reason = "PROOF: one stretch between two samples, lists as long as those of the model"
 )]
 
+use std::ops::Range;
+
 use super::answer::{Conclusion, Refuted};
 use super::region::Region;
 use crate::signals::Signals;
 use veribound_flow::form::{Flow, Output, Stretch};
 use veribound_interval::{Decimal, Interval};
-use veribound_model::{Layout, Model, Sample};
+use veribound_model::{Layout, Model, Sample, Var};
 
 /// What a sample tells.
 #[derive(Debug, Clone)]
@@ -26,6 +28,27 @@ pub(crate) struct Instant {
     pub(crate) resets: Vec<usize>,
 }
 
+/// The value that a parameter has after a reset.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Later {
+    pub(crate) param: usize,
+    /// The sample from which on it holds,
+    pub(crate) from: usize,
+    /// and the one before which it ends: that of the next reset, or the number of samples.
+    pub(crate) until: usize,
+}
+
+/// Which value of a parameter that can be reset acts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Value {
+    /// That before any reset.
+    First,
+    /// This one of [`Course::later`].
+    Later(usize),
+    /// One that lasts for one stretch only, since it may be reset again at the next sample.
+    Passing,
+}
+
 /// One record, with the start states that are its own.
 #[derive(Debug, Clone)]
 pub(crate) struct Course {
@@ -33,14 +56,63 @@ pub(crate) struct Course {
     pub(crate) stretches: Vec<Stretch>,
     /// Start values that are believed before the record.
     pub(crate) start: Vec<Interval>,
+    /// Values of parameters after resets that last longer than a stretch, in order of time.
+    pub(crate) later: Vec<Later>,
 }
 
 impl Course {
-    /// The last sample up to which parameters are the same as at the first.
-    pub(crate) fn horizon(&self) -> usize {
-        let mut instants = self.instants.iter();
-        let reset = instants.position(|instant| !instant.resets.is_empty());
-        reset.unwrap_or(self.instants.len()).saturating_sub(1)
+    /// The last sample.
+    pub(crate) fn end(&self) -> usize {
+        self.instants.len().saturating_sub(1)
+    }
+
+    /// The next sample from `from` on, and before `until`, at which a parameter may be reset.
+    pub(crate) fn next_reset(&self, from: usize, until: usize) -> Option<usize> {
+        (from..until).find(|sample| !self.instants[*sample].resets.is_empty())
+    }
+
+    /// The first sample at which a parameter may be reset, or the number of samples.
+    pub(crate) fn first_reset(&self, param: usize) -> usize {
+        let is_reset = |instant: &Instant| instant.resets.contains(&param);
+        let first = self.instants.iter().position(is_reset);
+        first.unwrap_or(self.instants.len())
+    }
+
+    /// The value of a parameter from this sample to the next.
+    pub(crate) fn value(&self, param: usize, sample: usize) -> Value {
+        let later = self.later.iter();
+        let own = later.enumerate().filter(|(_, later)| later.param == param);
+        let mut own = own.filter(|(_, later)| later.from <= sample && sample < later.until);
+        if let Some((position, _)) = own.next() {
+            return Value::Later(position);
+        }
+        if self.first_reset(param) <= sample {
+            Value::Passing
+        } else {
+            Value::First
+        }
+    }
+
+    /// The values after resets that last longer than a stretch.
+    fn lasting(instants: &[Instant], params: usize) -> Vec<Later> {
+        let mut later = Vec::new();
+        for param in 0..params {
+            let list = instants.iter().enumerate();
+            let list = list.filter(|(_, instant)| instant.resets.contains(&param));
+            let resets: Vec<usize> = list.map(|(sample, _)| sample).collect();
+            for (k, from) in resets.iter().enumerate() {
+                let until = resets.get(k + 1).copied().unwrap_or(instants.len());
+                if until > from + 1 {
+                    later.push(Later {
+                        param,
+                        from: *from,
+                        until,
+                    });
+                }
+            }
+        }
+        later.sort_by_key(|later| (later.from, later.param));
+        later
     }
 
     /// The same with what these samples tell alone.
@@ -103,16 +175,99 @@ pub(crate) struct Problem {
     pub(crate) quantities: Vec<Output>,
     /// Number of outputs among them.
     pub(crate) outputs: usize,
+    /// For every parameter whether a quantity depends on it directly.
+    pub(crate) is_told_of: Vec<bool>,
     pub(crate) courses: Vec<Course>,
     /// Bounds of the parameters that are believed before the records.
     pub(crate) prior: Vec<Interval>,
+    /// Measurement errors may be so many times as large as the model says: one quantity more.
+    pub(crate) factor: Option<Interval>,
+}
+
+/// Quantities of a region are in this order: the start states of every record, the values after resets of every
+/// record, the factor of errors if there is one, the parameters.
+impl Problem {
+    /// Positions of the start states of a record.
+    pub(crate) fn starts(&self, record: usize) -> Range<usize> {
+        let n = self.layout.states;
+        record * n..(record + 1) * n
+    }
+
+    /// Positions of the values after resets of a record.
+    pub(crate) fn later(&self, record: usize) -> Range<usize> {
+        let before = self.courses[..record].iter();
+        let begin = before.fold(self.starts(self.courses.len()).start, |sum, course| {
+            sum + course.later.len()
+        });
+        begin..begin + self.courses[record].later.len()
+    }
+
+    /// Position of the factor of errors.
+    pub(crate) fn factor_position(&self) -> Option<usize> {
+        self.factor.map(|_| self.first_param() - 1)
+    }
+
+    /// Position of the first parameter.
+    pub(crate) fn first_param(&self) -> usize {
+        let later = self.courses.iter().map(|course| course.later.len());
+        self.starts(self.courses.len()).start
+            + later.sum::<usize>()
+            + usize::from(self.factor.is_some())
+    }
+
+    /// Positions of the parameters.
+    pub(crate) fn params(&self) -> Range<usize> {
+        let first = self.first_param();
+        first..first + self.layout.params
+    }
+
+    /// The values of parameters, after resets too, that last longer than a stretch of some record.
+    pub(crate) fn lasting(&self) -> Vec<usize> {
+        let begin = self.starts(self.courses.len()).start;
+        let params = self.params();
+        let lasts = |quantity: &usize| {
+            let Some(param) = quantity.checked_sub(params.start) else {
+                return true;
+            };
+            let mut courses = self.courses.iter();
+            courses.any(|course| course.first_reset(param) > 1 || course.end() < 1)
+        };
+        (begin..params.end).filter(lasts).collect()
+    }
+
+    /// What is believed of every quantity before any sample.
+    pub(crate) fn believed(&self) -> Vec<Interval> {
+        let starts = self.courses.iter().flat_map(|course| course.start.iter());
+        let later = self.courses.iter().flat_map(|course| &course.later);
+        let later = later.map(|later| &self.prior[later.param]);
+        let all = starts.chain(later).chain(&self.factor).chain(&self.prior);
+        all.copied().collect()
+    }
 }
 
 impl Problem {
-    pub(crate) fn new(model: &Model) -> Problem {
+    /// A model with records, the samples of each in order of time.
+    pub(crate) fn of(model: &Model, records: &[Vec<Sample>]) -> Problem {
+        let mut problem = Problem::new(model);
+        for samples in records {
+            problem.add(model, samples);
+        }
+        problem
+    }
+
+    fn new(model: &Model) -> Problem {
         let outputs = model.outputs.iter().map(|output| output.expr);
         let zeros = model.signals.iter().flat_map(|signal| &signal.proves_zero);
+        let told: Vec<Var> = outputs
+            .clone()
+            .chain(zeros.clone().copied())
+            .flat_map(|expr| model.graph.variables(expr))
+            .collect();
+        let params = 0..model.params.len();
         Problem {
+            is_told_of: params
+                .map(|param| told.contains(&Var::Param(param)))
+                .collect(),
             flow: Flow::new(model),
             layout: model.layout(),
             quantities: outputs
@@ -122,6 +277,7 @@ impl Problem {
             outputs: model.outputs.len(),
             courses: Vec::new(),
             prior: model.params.iter().map(|param| param.bounds).collect(),
+            factor: None,
         }
     }
 
@@ -179,7 +335,7 @@ impl Problem {
     }
 
     /// Adds a record, whose samples are in order of time and have the lists of the model.
-    pub(crate) fn add(&mut self, model: &Model, samples: &[Sample]) {
+    fn add(&mut self, model: &Model, samples: &[Sample]) {
         let mut signals = Signals::new(model);
         let mut instants = Vec::with_capacity(samples.len());
         for (k, sample) in samples.iter().enumerate() {
@@ -212,6 +368,7 @@ impl Problem {
             dt: (&pair[1].time - &pair[0].time).to_interval(),
         });
         self.courses.push(Course {
+            later: Course::lasting(&instants, model.params.len()),
             instants,
             stretches: stretches.collect(),
             start: model.states.iter().map(|state| state.init).collect(),

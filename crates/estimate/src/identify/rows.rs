@@ -148,6 +148,86 @@ impl Affine {
     }
 }
 
+/// What a sample tells when its error may be any of so many times as large: `middle + factor [-error, error]`.
+///
+/// What was read is rounded; so much more and less is taken that both sides stay proved.
+#[derive(Debug)]
+pub(crate) struct Scaled<'a> {
+    middle: Interval,
+    error: Interval,
+    factor: &'a Affine,
+}
+
+/// What reading a measurement and its error can round away, as share of the measurement.
+const READ: f64 = 1.0 / ((1_u64 << 44) as f64);
+
+/// A measurement whose error is so many times as large.
+pub(crate) fn widened(told: Interval, times: f64) -> Interval {
+    let factor = Affine {
+        slopes: Vec::new(),
+        rest: Interval::point(times),
+    };
+    Scaled::of(told, &factor).map_or(told, |scaled| scaled.largest())
+}
+
+impl Scaled<'_> {
+    /// Nothing where the measurement has no error, or no end.
+    pub(crate) fn of(told: Interval, factor: &Affine) -> Option<Scaled<'_>> {
+        if !told.is_bounded() || told.width() == 0.0 {
+            return None;
+        }
+        let (middle, error) = told.mid_rad();
+        let read = told.mag() * READ;
+        Some(Scaled {
+            middle: Interval::point(middle).inflate(read),
+            error: Interval::point(error).inflate(read),
+            factor,
+        })
+    }
+
+    fn reach(&self) -> Interval {
+        let slopes = self.factor.slopes.iter();
+        let reach: f64 = slopes.map(|g| g.abs()).sum();
+        self.factor.rest + Interval::symmetric(reach * (1.0 + 1e-12))
+    }
+
+    /// What it tells with the largest factor.
+    pub(crate) fn largest(&self) -> Interval {
+        let most = self.error.hi() * self.reach().hi().max(0.0);
+        self.middle + Interval::symmetric(most * (1.0 + 1e-12))
+    }
+
+    /// That `g·δ + rest` is at most so far below, and above: slopes, rest and what that must be, twice.
+    ///
+    /// With `factor = f·δ + r` and an error `e` the first is `(g - e f)·δ + rest - e r - middle <= 0`; products are
+    /// rounded, and what they lost is in the rest.
+    pub(crate) fn rows(
+        &self,
+        slopes: &[f64],
+        rest: Interval,
+    ) -> [(Vec<f64>, Interval, Interval); 2] {
+        let unit = Interval::symmetric(1.0);
+        let row = |sign: f64| {
+            let error = Interval::point(sign) * self.error;
+            let mut own = rest - self.middle + error * self.factor.rest;
+            let slopes = slopes.iter().zip(&self.factor.slopes).map(|(g, f)| {
+                let exact = Interval::point(*g) + error * Interval::point(*f);
+                let rounded = exact.mid();
+                own += (exact - Interval::point(rounded)) * unit;
+                rounded
+            });
+            let slopes: Vec<f64> = slopes.collect();
+            let side = if sign < 0.0 {
+                Interval::new(f64::NEG_INFINITY, 0.0)
+            } else {
+                Interval::new(0.0, f64::INFINITY)
+            };
+            (slopes, own, side.unwrap_or(Interval::ENTIRE))
+        };
+        [row(-1.0), row(1.0)]
+    }
+}
+
 /// Writes slopes for unknowns `δ_i = middle_i + radius_i δ'_i`; encloses what is to be added.
 ///
 /// Proof. `g·δ = g·m + (g r)·δ'`, and the product `g r` is rounded to `g'`; what it lost, times `δ'` of the

@@ -4,7 +4,9 @@
     reason = "PROOF: one pair of bounds per quantity of a region"
 )]
 
-use super::answer::{Bounds, Conclusion, Identified, IdentifyOptions, Limit, Progress, Tile};
+use super::answer::{
+    AfterReset, Bounds, Conclusion, Identified, IdentifyOptions, Limit, Progress, Tile,
+};
 use super::cell::{BELIEVED, Cell, Clash};
 use super::pass::Conflict;
 use super::pave::Paving;
@@ -41,8 +43,16 @@ const REACH: f64 = 0.5;
 /// the next one where a probe was of little use, as share of that,
 const NEARER: f64 = 0.4;
 
+/// or farther, where it came within this share of its own size to its end,
+const FARTHER: f64 = 4.0;
+const FREE: f64 = 0.05;
+
 /// and where it ends.
 const NEAREST: f64 = 0.005;
+
+/// Where no point is known, it is looked for so often, and anew after so many sets.
+const TRIES: usize = 6;
+const ANEW: usize = 8;
 
 /// A probe was of use if it brought a bound nearer by this share of what was missing.
 const USEFUL: f64 = 0.2;
@@ -61,8 +71,8 @@ enum Job {
     Divide(Region),
     /// Around the best point of this quantity and side,
     Climb(usize, usize),
-    /// or in the middle of a leaf, where no point is known.
-    Middle(Box<Cell>),
+    /// or in the middle of a cell, where no point is known, with this reach.
+    Middle(Box<Cell>, f64),
 }
 
 /// Everything that is known.
@@ -74,10 +84,15 @@ pub(crate) struct Search<'a> {
     /// as boxes of all quantities.
     inner: Vec<(f64, f64)>,
     points: Vec<Vec<Interval>>,
-    /// Per parameter the points where it is least and largest.
+    /// The quantities that bounds are wanted of, and for each the points where it is least and largest.
+    wanted: Vec<usize>,
     best: Vec<[Option<Best>; 2]>,
-    /// How near the middle of a leaf a point was looked for.
-    middle: f64,
+    /// What is believed of every quantity before any sample.
+    believed: Vec<Interval>,
+    /// How often a point was looked for in vain, since so many sets, and where last.
+    tries: usize,
+    tries_since: usize,
+    tried: Option<(Box<Cell>, f64)>,
     clashes: Vec<Clash>,
     sets: usize,
     passes: usize,
@@ -94,14 +109,23 @@ enum Outcome {
 
 impl<'a> Search<'a> {
     pub(crate) fn new(problem: &'a Problem, options: &'a IdentifyOptions) -> Search<'a> {
+        let believed = problem.believed();
+        let wanted = match problem.factor_position() {
+            Some(factor) => vec![factor],
+            None => problem.lasting(),
+        };
         Search {
             problem,
             options,
             leaves: Vec::new(),
-            inner: vec![(f64::INFINITY, f64::NEG_INFINITY); problem.believed().len()],
+            inner: vec![(f64::INFINITY, f64::NEG_INFINITY); believed.len()],
             points: Vec::new(),
-            best: vec![[None, None]; problem.layout.params],
-            middle: REACH,
+            best: vec![[None, None]; wanted.len()],
+            wanted,
+            believed,
+            tries: 0,
+            tries_since: 0,
+            tried: None,
             clashes: Vec::new(),
             sets: 0,
             passes: 0,
@@ -109,13 +133,13 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// First of the parameters among the quantities.
-    fn first(&self) -> usize {
-        self.problem.first_param()
+    pub(crate) fn problem(&self) -> &'a Problem {
+        self.problem
     }
 
-    fn quantities(&self) -> usize {
-        self.inner.len()
+    /// Bounds of an error are wanted from below alone: any larger one is met, too.
+    fn wants_least(&self) -> bool {
+        self.problem.factor.is_some()
     }
 
     /// Looks at the whole box; it is kept, and all there is, if it is excluded or comes to the end of every record.
@@ -136,7 +160,7 @@ impl<'a> Search<'a> {
         let courses = self.problem.courses.iter().zip(&cell.reached);
         courses
             .into_iter()
-            .all(|(course, reached)| *reached == course.horizon())
+            .all(|(course, reached)| *reached == course.end())
     }
 
     /// Nothing agrees with the records.
@@ -145,18 +169,17 @@ impl<'a> Search<'a> {
     }
 
     fn look_at(&self, job: &Job) -> Outcome {
-        let first = self.first();
         let probed = match job {
             Job::Divide(region) => {
                 return match self.problem.refine(region.clone(), true) {
                     Ok(cell) => {
                         // Regions may reach out of what is believed a little.
-                        let believed = self.problem.believed().into_iter().enumerate();
-                        let outer = believed.map(|(i, x)| cell.outer(i).intersect(x)).collect();
+                        let believed = self.believed.iter().enumerate();
+                        let outer = believed.map(|(i, x)| cell.outer(i).intersect(*x));
                         Outcome::Left(Box::new(Leaf {
-                            points: cell.points(first..self.quantities()),
+                            outer: outer.collect(),
+                            points: cell.points(&self.wanted),
                             cell,
-                            outer,
                             is_atom: false,
                         }))
                     }
@@ -166,13 +189,11 @@ impl<'a> Search<'a> {
             Job::Climb(param, side) => self.best[*param][*side]
                 .as_ref()
                 .and_then(|best| self.problem.probe(&best.region, &best.point, best.reach)),
-            Job::Middle(cell) => self
-                .problem
-                .probe(&cell.region, &cell.middle(), self.middle),
+            Job::Middle(cell, reach) => self.problem.probe(&cell.region, &cell.deepest().0, *reach),
         };
         let points = probed
             .as_ref()
-            .map_or(Vec::new(), |cell| cell.points(first..self.quantities()));
+            .map_or(Vec::new(), |cell| cell.points(&self.wanted));
         Outcome::Proved(probed.map(Box::new), points)
     }
 
@@ -196,30 +217,52 @@ impl<'a> Search<'a> {
                     Job::Climb(param, side) => self.best[*param][*side].clone(),
                     _ => None,
                 };
+                let mut ends = None;
+                if let Job::Middle(from, reach) = job {
+                    self.tries += 1;
+                    let ended = cell.clone().filter(|cell| self.has_ended(cell));
+                    self.tried = Some(match ended {
+                        Some(cell) => (cell, REACH),
+                        None => (from.clone(), NEARER * reach),
+                    });
+                }
                 if let Some(cell) = cell {
                     self.passes += cell.passes;
                     for point in &points {
                         self.learn(&cell, point, 1.0);
                     }
+                    if let Job::Climb(param, _) = job {
+                        ends = Some(cell.region.range(self.wanted[*param], &cell.part));
+                    }
                 }
-                match job {
-                    Job::Climb(param, side) => self.step_back(*param, *side, before),
-                    _ => self.middle *= NEARER,
+                if let Job::Climb(param, side) = job {
+                    self.pace(*param, *side, before, ends);
                 }
             }
         }
     }
 
-    /// Looks nearer the best point of a parameter, where the last probe brought little.
-    fn step_back(&mut self, param: usize, side: usize, before: Option<Best>) {
-        let outer = self.outer(self.first() + param);
+    /// Looks nearer the best point of a quantity where the last probe brought little, and farther where nothing but
+    /// its own size, of which the quantity has all values in `ends`, was in its way.
+    fn pace(&mut self, param: usize, side: usize, before: Option<Best>, ends: Option<Interval>) {
+        let outer = self.outer(self.wanted[param]);
         let end = if side == 0 { outer.lo() } else { outer.hi() };
         let (Some(before), Some(best)) = (before, &mut self.best[param][side]) else {
             return;
         };
         let missing = (end - before.value).abs();
-        if (best.value - before.value).abs() < USEFUL * missing {
-            // In the unknowns of the region it was found in now.
+        let is_free = ends.is_some_and(|ends| {
+            let reached = if side == 0 {
+                best.value - ends.lo()
+            } else {
+                ends.hi() - best.value
+            };
+            best.value != before.value && reached < FREE * ends.width()
+        });
+        // In the unknowns of the region it was found in now.
+        if is_free {
+            best.reach *= FARTHER;
+        } else if (best.value - before.value).abs() < USEFUL * missing {
             best.reach *= NEARER;
         }
     }
@@ -227,7 +270,7 @@ impl<'a> Search<'a> {
     /// Takes in a proved point; the next probe around it looks so far, as share of what is left of its cell.
     fn learn(&mut self, cell: &Cell, point: &[f64], reach: f64) {
         let at: Vec<Interval> = point.iter().map(|x| Interval::point(*x)).collect();
-        let box_: Vec<Interval> = (0..self.quantities())
+        let box_: Vec<Interval> = (0..self.believed.len())
             .map(|i| cell.region.range(i, &at))
             .collect();
         let mut is_new = self.points.is_empty();
@@ -235,9 +278,8 @@ impl<'a> Search<'a> {
             // The point is somewhere in x: only what is between all of it counts.
             *inner = (inner.0.min(x.hi()), inner.1.max(x.lo()));
         }
-        let first = self.first();
-        for (param, sides) in self.best.iter_mut().enumerate() {
-            let x = box_[first + param];
+        for (quantity, sides) in self.wanted.iter().zip(&mut self.best) {
+            let x = box_[*quantity];
             for (side, (best, value)) in sides.iter_mut().zip([x.hi(), x.lo()]).enumerate() {
                 let is_better = best.as_ref().is_none_or(|best| {
                     if side == 0 {
@@ -278,14 +320,19 @@ impl<'a> Search<'a> {
     /// How much of a bound may be too wide, as share of what is wanted; by parameter and side.
     fn gaps(&self) -> Vec<(f64, usize, bool)> {
         let mut gaps = Vec::new();
-        for quantity in self.first()..self.quantities() {
+        for &quantity in &self.wanted {
             let outer = self.outer(quantity);
             if outer.width() == 0.0 {
                 continue;
             }
             let (below, above) = match self.inner(quantity) {
                 Some(inner) => {
-                    let allowed = 0.5 * (self.options.tightness - 1.0) * inner.width();
+                    let allowed = (self.options.tightness - 1.0)
+                        * if self.wants_least() {
+                            inner.lo()
+                        } else {
+                            0.5 * inner.width()
+                        };
                     let share = |gap: f64| {
                         if gap <= 0.0 {
                             0.0
@@ -301,24 +348,27 @@ impl<'a> Search<'a> {
                 None => (f64::INFINITY, f64::INFINITY),
             };
             gaps.push((below, quantity, false));
-            gaps.push((above, quantity, true));
+            if !self.wants_least() {
+                gaps.push((above, quantity, true));
+            }
         }
         gaps
     }
 
     /// How far bounds are from what is known to be possible: the sum of gaps, or the widths where nothing is known.
     fn missing(&self) -> f64 {
-        let prior = &self.problem.prior;
-        let share = |param: usize| {
-            let quantity = self.first() + param;
-            let whole = prior[param].width().max(1e-300);
+        let share = |quantity: usize| {
+            let whole = self.believed[quantity].width().max(1e-300);
             match self.inner(quantity) {
+                Some(inner) if self.wants_least() => {
+                    (inner.lo() - self.outer(quantity).lo()).max(0.0) / whole
+                }
                 Some(inner) => (self.outer(quantity).width() - inner.width()).max(0.0) / whole,
                 // So that the first point is worth going on.
                 None => 1.0 + self.outer(quantity).width() / whole,
             }
         };
-        (0..prior.len()).map(share).sum()
+        self.wanted.iter().copied().map(share).sum()
     }
 
     /// The leaves that decide bounds which may be too wide, the worst first.
@@ -346,13 +396,12 @@ impl<'a> Search<'a> {
     }
 
     pub(crate) fn progress(&self) -> Progress {
-        let prior = &self.problem.prior;
-        let left = (0..prior.len()).map(|param| {
-            let whole = prior[param].width();
-            let outer = self.outer(self.first() + param).width();
+        let left = self.wanted.iter().map(|&quantity| {
+            let whole = self.believed[quantity].width();
+            let outer = self.outer(quantity).width();
             if whole > 0.0 { outer / whole } else { 1.0 }
         });
-        let tightness = self.bounds(self.first()..self.quantities());
+        let tightness = self.bounds(self.wanted.iter().copied());
         Progress {
             sets: self.sets,
             waiting: self.leaves.len(),
@@ -398,21 +447,31 @@ impl<'a> Search<'a> {
     }
 
     /// Where better points may be.
-    fn probes(&self) -> Vec<Job> {
+    fn probes(&mut self) -> Vec<Job> {
         if self.points.is_empty() {
-            let ended = |leaf: &Leaf| self.has_ended(&leaf.cell);
-            let leaf = self.leaves.iter().find(|leaf| ended(leaf));
-            let is_worth_it = self.middle > NEAREST;
-            return leaf
-                .filter(|_| is_worth_it)
-                .map(|leaf| Job::Middle(Box::new(leaf.cell.clone())))
+            if self.sets >= self.tries_since + ANEW {
+                (self.tries, self.tries_since) = (0, self.sets);
+                self.tried = None;
+            }
+            if self.tries >= TRIES {
+                return Vec::new();
+            }
+            // Each time about where rows of the last place are met best.
+            if let Some((cell, reach)) = self.tried.take() {
+                return vec![Job::Middle(cell, reach)];
+            }
+            let depths = self.leaves.iter().map(|leaf| (leaf, leaf.cell.deepest().1));
+            return depths
+                .max_by(|a, b| a.1.total_cmp(&b.1))
+                .map(|(leaf, _)| Job::Middle(Box::new(leaf.cell.clone()), REACH))
                 .into_iter()
                 .collect();
         }
         let gaps = self.gaps().into_iter();
+        let position = |quantity| self.wanted.iter().position(|own| *own == quantity);
         let wanted = gaps
             .filter(|gap| gap.0 > 1.0)
-            .map(|(_, quantity, upper)| (quantity - self.first(), usize::from(upper)));
+            .filter_map(|(_, quantity, upper)| Some((position(quantity)?, usize::from(upper))));
         wanted
             .filter(|(param, side)| {
                 let best = self.best[*param][*side].as_ref();
@@ -452,7 +511,7 @@ impl<'a> Search<'a> {
         paving.tiles()
     }
 
-    fn bounds(&self, quantities: std::ops::Range<usize>) -> Vec<Bounds> {
+    fn bounds(&self, quantities: impl Iterator<Item = usize>) -> Vec<Bounds> {
         quantities
             .map(|quantity| Bounds {
                 outer: self.outer(quantity),
@@ -461,10 +520,44 @@ impl<'a> Search<'a> {
             .collect()
     }
 
+    /// What is known of the values that parameters have after resets.
+    fn resets(&self, record: usize) -> Vec<AfterReset> {
+        let course = &self.problem.courses[record];
+        let bounds = self.bounds(self.problem.later(record));
+        let both = course.later.iter().zip(bounds);
+        let time = |sample: usize| course.instants[sample].time.clone();
+        both.map(|(later, bounds)| AfterReset {
+            param: later.param,
+            from: time(later.from),
+            until: time(later.until.min(course.end())),
+            bounds,
+        })
+        .collect()
+    }
+
+    /// The least factor of errors that is not excluded, and the least with which a point is proved to agree, with its
+    /// parameters.
+    pub(crate) fn least(&self) -> (f64, Option<(f64, Vec<Interval>)>) {
+        let factor = self.wanted[0];
+        let left = self.outer(factor);
+        let below = if left.is_empty() {
+            self.believed[factor].hi()
+        } else {
+            left.lo()
+        };
+        let least =
+            |a: &&Vec<Interval>, b: &&Vec<Interval>| a[factor].hi().total_cmp(&b[factor].hi());
+        let best = self.points.iter().min_by(least);
+        let params = self.problem.params();
+        (
+            below,
+            best.map(|point| (point[factor].hi(), point[params].to_vec())),
+        )
+    }
+
     /// What was proved.
     pub(crate) fn answer(self, tiles: Vec<Tile>) -> Identified {
-        let n = self.problem.layout.states;
-        let first = self.first();
+        let params = self.problem.params();
         let conclusion = if self.leaves.is_empty() {
             self.refuted()
         } else if self.points.is_empty() {
@@ -474,7 +567,7 @@ impl<'a> Search<'a> {
         };
         let gaps = self.gaps();
         let all_ended = self.leaves.iter().all(|leaf| self.has_ended(&leaf.cell));
-        let limits = (first..self.quantities()).map(|quantity| {
+        let limits = params.clone().map(|quantity| {
             let is_tight = gaps
                 .iter()
                 .filter(|gap| gap.1 == quantity)
@@ -490,14 +583,17 @@ impl<'a> Search<'a> {
         Identified {
             conclusion,
             limits: limits.collect(),
-            params: self.bounds(first..self.quantities()),
+            params: self.bounds(params.clone()),
+            resets: (0..self.problem.courses.len())
+                .map(|record| self.resets(record))
+                .collect(),
             starts: (0..self.problem.courses.len())
-                .map(|record| self.bounds(record * n..(record + 1) * n))
+                .map(|record| self.bounds(self.problem.starts(record)))
                 .collect(),
             points: self
                 .points
                 .iter()
-                .map(|point| point[first..].to_vec())
+                .map(|point| point[params.clone()].to_vec())
                 .collect(),
             tiles,
             sets: self.sets,

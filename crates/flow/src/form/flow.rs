@@ -13,6 +13,7 @@ use super::set::{Form, FormOptions, Parallelotope};
 use super::step::Obstacle;
 use super::surfaces::Signs;
 use crate::modes::ModeSet;
+use crate::step::{StepOptions, Workspace};
 use crate::system::System;
 use veribound_interval::Interval;
 use veribound_model::{ExprId, Graph, Layout, Model, Var};
@@ -29,6 +30,15 @@ pub struct Flow {
     /// The right-hand side of a model that never switches.
     only: Option<Regime>,
     store: Mutex<Store>,
+}
+
+/// Where solutions from a box are after a stretch.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoxAfter {
+    /// Encloses every state.
+    pub states: Vec<Interval>,
+    /// Proved: each solution stays where it starts, for all that time.
+    pub rests: bool,
 }
 
 /// What is made on demand.
@@ -152,6 +162,29 @@ impl Flow {
         let quantities = [&form.hull()[..], &form.param_box(), inputs].concat();
         let field = self.switching.field(&quantities);
         field.is_none_or(|field| self.switching.jump_possible(&field.signs()))
+    }
+
+    /// Encloses by a box where solutions from a box of states are after a stretch, with all parameters of another
+    /// box; `None` where that could not be proved.
+    pub fn box_after(
+        &self,
+        states: &[Interval],
+        params: &[Interval],
+        stretch: &Stretch,
+    ) -> Option<BoxAfter> {
+        let mut workspace = Workspace::new(&self.system, StepOptions::default());
+        let mut states = states.to_vec();
+        let (inputs, dt) = (&stretch.inputs, stretch.dt);
+        let moved = self
+            .system
+            .step(&mut states, params, inputs, dt, &mut workspace);
+        moved.ok()?;
+        let both = workspace.tube().iter().zip(workspace.velocity());
+        let mut rests = both.map(|(tube, velocity)| tube.is_point() || *velocity == Interval::ZERO);
+        Some(BoxAfter {
+            rests: rests.all(|rests| rests),
+            states,
+        })
     }
 
     /// The model compiled for boxes.

@@ -196,8 +196,10 @@ fn boxed(form: &Form, states: &[Interval]) -> Form {
 }
 
 impl Form {
-    /// Puts states to their boxes where these are narrower.
-    fn restrict(&mut self, states: &[Interval]) {
+    /// Puts states to intervals where these are narrower than the form.
+    ///
+    /// Guarantee: that of [`Form`] for the solutions whose states lie in `states` now.
+    pub fn restrict(&mut self, states: &[Interval]) {
         let own = self.quick_hull();
         let both = own.iter().zip(states);
         let narrower = both.map(|(own, known)| {

@@ -85,7 +85,7 @@ pub(crate) mod surfaces;
 mod transport;
 mod watching;
 
-pub use flow::{Diverged, Flow};
+pub use flow::{BoxAfter, Diverged, Flow};
 pub use journey::{Arriving, Meeting};
 pub use output::{Contradiction, Output, Strip};
 pub use run::{Effort, Enclosure, Part, Standing, Stretch};

@@ -243,6 +243,20 @@ impl Form {
         self.widen(&by);
     }
 
+    /// From now on a parameter has another value: any in `offset + slopes·δ` for solutions that belong to `δ`.
+    ///
+    /// Guarantee: that of [`Form`] for such solutions.
+    pub fn set_param(&mut self, param: usize, slopes: &[f64], offset: Interval) {
+        let (middle, radius) = offset.mid_rad();
+        let own = &mut self.params[param];
+        own.polynomial.fill(0.0);
+        own.polynomial[0] = middle;
+        own.polynomial[1..=slopes.len()].copy_from_slice(slopes);
+        own.radius = radius;
+        // What was known of surfaces may have rested on the value before.
+        self.signs.clear();
+    }
+
     /// Adds a box to the states.
     fn widen(&mut self, by: &[Interval]) {
         let n = self.states.len();

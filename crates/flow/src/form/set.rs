@@ -407,8 +407,8 @@ impl Form {
         }
     }
 
-    /// Encloses every parameter.
-    pub(super) fn param_box(&self) -> Vec<Interval> {
+    /// Encloses every parameter at this time.
+    pub fn param_box(&self) -> Vec<Interval> {
         let list = self.params.iter();
         list.map(|param| around(&param.polynomial).inflate(param.radius))
             .collect()

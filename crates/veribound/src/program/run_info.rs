@@ -89,6 +89,7 @@ pub fn of_identification(
         put("paving", Value::String(share.to_string()));
     }
     put("sets", Value::Integer(arguments.sets as i64));
+    put("least-error", Value::Boolean(arguments.least_error));
     // Results do not depend on it; where it is not given, it is the machine's.
     if let Some(threads) = arguments.threads {
         put("threads", Value::Integer(threads as i64));

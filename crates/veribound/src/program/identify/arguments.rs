@@ -37,6 +37,10 @@ pub struct Identify {
     /// this share of the box that is left, as in 1%
     #[arg(long, value_name = "SHARE", help_heading = "Method")]
     pub paving: Option<ShareFlag>,
+    /// Also tell how often the declared measurement errors must be taken at least for anything to agree; this is always
+    /// told where nothing agrees
+    #[arg(long, help_heading = "Method")]
+    pub least_error: bool,
     /// Most sets of parameters that are looked at
     #[arg(long, value_name = "N", default_value_t = IdentifyOptions::default().sets,
           value_parser = count(1), help_heading = "Method")]

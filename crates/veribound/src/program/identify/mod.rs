@@ -15,7 +15,7 @@ use arguments::Identify;
 use std::time::Instant;
 use veribound_data::{Record, ResultFolder};
 use veribound_estimate::identify::{
-    Bounds, Conclusion, Identified, IdentifyOptions, Progress, identify,
+    Bounds, Conclusion, Identified, LeastError, Progress, identify, least_error,
 };
 use veribound_interval::Interval;
 use veribound_interval::text::upper;
@@ -34,6 +34,8 @@ pub struct Data {
 pub struct Findings {
     /// What is proved.
     pub identified: Identified,
+    /// How large measurement errors must be for anything to agree, where that was looked for.
+    pub least: Option<LeastError>,
     /// Time spent, in seconds.
     pub seconds: f64,
     /// How it ended.
@@ -53,7 +55,7 @@ pub fn run(arguments: &Identify) -> Outcome {
     let folder = ResultFolder::create(&arguments.output)?;
 
     // [2/4] The identification.
-    let found = find(&model, &data, &arguments.options(), quiet);
+    let found = find(&model, &data, arguments, quiet);
 
     // [3/4] The files.
     let summary = told::summary(&model, &data, &found, said.clone());
@@ -143,7 +145,8 @@ fn or_prior(found: &[Bounds], priors: impl Iterator<Item = Interval>) -> Vec<Bou
 }
 
 /// Lets the estimator work, and shows how far it is.
-fn find(model: &Model, data: &Data, options: &IdentifyOptions, quiet: bool) -> Findings {
+fn find(model: &Model, data: &Data, arguments: &Identify, quiet: bool) -> Findings {
+    let options = arguments.options();
     let interrupt = Interrupt::listen();
     let bar = progress::of_standing(quiet);
     let go_on = |standing: &Progress| {
@@ -152,12 +155,17 @@ fn find(model: &Model, data: &Data, options: &IdentifyOptions, quiet: bool) -> F
         !interrupt.is_asked()
     };
     let begin = Instant::now();
-    let identified = identify(model, &data.samples, options, &go_on);
+    let identified = identify(model, &data.samples, &options, &go_on);
+    // Who reads that nothing agrees asks how far it is from that.
+    let is_refuted = matches!(identified.conclusion, Conclusion::Inconsistent(_));
+    let is_asked = (is_refuted || arguments.least_error) && !identified.interrupted;
+    let least = is_asked.then(|| least_error(model, &data.samples, &options, &go_on));
     let seconds = begin.elapsed().as_secs_f64();
     bar.finish_and_clear();
     Findings {
         ending: ending(&identified),
         identified,
+        least,
         seconds,
     }
 }

@@ -7,10 +7,10 @@ use super::{Data, Findings};
 use std::fmt::Write as _;
 use std::path::Path;
 use veribound_data::{
-    IdentifiedParameter, IdentifiedStart, IdentifiedState, IdentifiedSummary, IdentifiedWork,
-    Paving, RefutedTogether,
+    IdentifiedParameter, IdentifiedReset, IdentifiedStart, IdentifiedState, IdentifiedSummary,
+    IdentifiedWork, LeastErrors, Paving, RefutedTogether,
 };
-use veribound_estimate::identify::{Bounds, Conclusion, Limit, Status};
+use veribound_estimate::identify::{Bounds, Conclusion, LeastError, Limit, Status};
 use veribound_interval::Interval;
 use veribound_interval::text::{lower, upper};
 use veribound_model::Model;
@@ -71,6 +71,11 @@ pub fn summary(
         samples: data.count(),
         parameters: parameters.collect(),
         starts: starts.collect(),
+        resets: resets(model, data, found),
+        least_error: found
+            .least
+            .as_ref()
+            .map(|least| LeastErrors::new(least.factor, &model.params, least.point.as_deref())),
         paving: (!identified.tiles.is_empty())
             .then(|| Paving::new(identified.tiles.len(), inside, undecided)),
         points: identified.points.len(),
@@ -83,6 +88,26 @@ pub fn summary(
         assumptions,
         missing: missing(data),
     }
+}
+
+/// Values of parameters after resets, for `summary.json`.
+fn resets(model: &Model, data: &Data, found: &Findings) -> Vec<IdentifiedReset> {
+    let records = found.identified.resets.iter().enumerate();
+    let all = records.flat_map(|(record, list)| list.iter().map(move |reset| (record, reset)));
+    all.filter_map(|(record, reset)| {
+        let param = model.params.get(reset.param)?;
+        let (bounds, times) = (&reset.bounds, (&reset.from, &reset.until));
+        let both = (bounds.outer, bounds.inner);
+        let name = data.name(record);
+        Some(IdentifiedReset::new(
+            name,
+            param,
+            times,
+            both,
+            bounds.tightness(),
+        ))
+    })
+    .collect()
 }
 
 /// Missing values of all records together, in the order in which records tell of them.
@@ -164,6 +189,9 @@ pub fn table(
     if !matches!(identified.conclusion, Conclusion::Inconsistent(_)) {
         push_bounds(&mut out, model, data, found);
     }
+    if let Some(least) = &found.least {
+        let _ = writeln!(out, "  {}", least_in_words(least));
+    }
     let paving = if identified.tiles.is_empty() {
         ""
     } else {
@@ -184,6 +212,31 @@ pub fn table(
         folder.display()
     );
     out
+}
+
+/// How large measurement errors must be, in one sentence.
+pub fn least_in_words(least: &LeastError) -> String {
+    let (below, above) = (least.factor.lo(), least.factor.hi());
+    let below = match below {
+        none if none <= 0.0 => None,
+        below => Some(lower(below, 4)),
+    };
+    let above = above.is_finite().then(|| upper(above, 4));
+    let errors = "measurement errors";
+    match (below, above) {
+        (Some(below), Some(above)) => {
+            format!(
+                "{errors} must be at least {below} times as large as declared; {above} times are enough"
+            )
+        }
+        (Some(below), None) => {
+            format!(
+                "{errors} must be at least {below} times as large as declared; how much is enough is not known"
+            )
+        }
+        (None, Some(above)) => format!("{errors} {above} times as large as declared are enough"),
+        (None, None) => format!("how large {errors} must be could not be found out"),
+    }
 }
 
 fn push_bounds(out: &mut String, model: &Model, data: &Data, found: &Findings) {
@@ -220,7 +273,18 @@ fn push_bounds(out: &mut String, model: &Model, data: &Data, found: &Findings) {
         let above = format!("at the start of {}", data.name(record));
         (above, rows.collect::<Vec<_>>())
     });
-    let starts: Vec<_> = starts.collect();
+    let resets = found.identified.resets.iter().enumerate();
+    let resets = resets.filter(|(_, list)| !list.is_empty());
+    let resets = resets.map(|(record, list)| {
+        let rows = list.iter().filter_map(|reset| {
+            let param = model.params.get(reset.param)?;
+            let name = format!("{} from {} s to {} s", param.name, reset.from, reset.until);
+            Some(row(&name, param.bounds, &reset.bounds, &param.unit, ""))
+        });
+        let above = format!("after resets in {}", data.name(record));
+        (above, rows.collect::<Vec<_>>())
+    });
+    let starts: Vec<_> = resets.chain(starts).collect();
     let mut parts: Vec<Part<'_, 7>> = vec![(None, &rows)];
     parts.extend(
         starts
@@ -291,6 +355,7 @@ pub(super) mod tests {
         Findings {
             identified: Identified {
                 conclusion: Conclusion::Consistent,
+                resets: Vec::new(),
                 params: vec![
                     Bounds {
                         outer: interval(1.652_81, 2.537_49),
@@ -334,6 +399,7 @@ pub(super) mod tests {
                 interrupted: false,
                 limits: vec![Limit::Record, Limit::Budget],
             },
+            least: None,
             seconds: 1.234,
             ending: Ending::Done,
         }
