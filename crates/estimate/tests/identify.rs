@@ -134,6 +134,7 @@ fn covers(tiles: &[Tile], whole: &[Interval]) {
 }
 
 /// A motor with dry friction and its exact solution under held torque.
+#[derive(Clone, Copy)]
 struct Motor {
     alpha: f64,
     beta: f64,
@@ -181,11 +182,28 @@ const STILL: &str = "[signals]\nstill = { proves = \"v == 0\", latency = 0 }\n";
 
 /// A record of a motor, with errors that often are at the bound; maybe with a signal that says when it rests.
 fn motor_record(rng: &mut Rng, motor: &Motor, count: usize, tells_rest: bool) -> Vec<Sample> {
+    redrawn_record(rng, motor, count, (tells_rest, &[])).0
+}
+
+/// The same, with the friction level of every sample, which is drawn anew from `levels` at some samples that end a rest
+/// of 0.1 s.
+fn redrawn_record(
+    rng: &mut Rng,
+    motor: &Motor,
+    count: usize,
+    (tells_rest, levels): (bool, &[f64]),
+) -> (Vec<Sample>, Vec<f64>) {
+    let (mut motor, mut rested, mut acting) = (*motor, 0, Vec::new());
     let (mut x, mut v, mut u) = (0.0, 0.0, 0.0);
     let mut left = 0;
     let (mut rows, mut inputs, mut rests) = (Vec::new(), Vec::new(), Vec::new());
     for k in 0..count {
         rests.push(Some(v == 0.0));
+        rested = if v == 0.0 { rested + 1 } else { 0 };
+        if rested > 10 && !levels.is_empty() && rng.below(3) == 0 {
+            motor.level = rng.pick(levels);
+        }
+        acting.push(motor.level);
         if left == 0 {
             u = (rng.pick(&[0.0, 1.0, -1.0, 1.0]) * rng.between(0.1, 0.4) * 1e3).round() / 1e3;
             left = 20 + rng.below(60);
@@ -207,7 +225,56 @@ fn motor_record(rng: &mut Rng, motor: &Motor, count: usize, tells_rest: bool) ->
             sample.signals = vec![rest];
         }
     }
-    record
+    (record, acting)
+}
+
+/// Says when the motor rests, and that friction may be another after a tenth of a second.
+const REDRAWN: &str = "[signals]\nstill = { proves = \"v == 0\", latency = 0 }\n[events]\n\
+    rest = { when = \"still\", lasts = 0.1, action = \"reset T\" }\n";
+
+/// Friction that may be another after every rest: no true value of any phase is excluded, some are found, and the
+/// parameters that stay are told by all phases together.
+#[test]
+fn values_after_resets_are_never_lost() {
+    let narrow = MOTOR
+        .replace("alpha = [-6, -0.05]", "alpha = [-2.6, -1.6]")
+        .replace("beta = [1, 400]", "beta = [140, 240]")
+        .replace("T = [0, 0.3]", "T = [0.03, 0.19]");
+    let model = read("motor", &format!("{narrow}{REDRAWN}"));
+    let mut rng = Rng(number("VERIBOUND_SEED", 29));
+    let (mut phases, mut narrowed, mut proved) = (0, 0, 0);
+    for _ in 0..number("VERIBOUND_ROUNDS", 3) {
+        let motor = Motor {
+            alpha: rng.between(-2.5, -1.7),
+            beta: rng.between(150.0, 230.0),
+            level: rng.between(0.04, 0.18),
+        };
+        let count = 250 + rng.below(200);
+        let levels = [0.04, 0.06, 0.09, 0.12, 0.15, 0.18];
+        let (record, levels) = redrawn_record(&mut rng, &motor, count, (true, &levels));
+        let options = IdentifyOptions {
+            sets: 10,
+            ..IdentifyOptions::default()
+        };
+        let found = run(&model, std::slice::from_ref(&record), &options);
+        assert!(!matches!(found.conclusion, Conclusion::Inconsistent(_)));
+        assert!(found.params[0].outer.contains(motor.alpha), "{found:?}");
+        assert!(found.params[1].outer.contains(motor.beta), "{found:?}");
+        let at = |time: &Decimal| record.iter().position(|sample| sample.time == *time);
+        for phase in &found.resets[0] {
+            let (from, until) = (at(&phase.from).unwrap(), at(&phase.until).unwrap());
+            for level in &levels[from..until] {
+                assert!(phase.bounds.outer.contains(*level), "{level} {phase:?}");
+            }
+            phases += 1;
+            narrowed += usize::from(phase.bounds.outer.width() < 0.08);
+            proved += usize::from(phase.bounds.inner.is_some());
+        }
+    }
+    assert!(
+        3 * narrowed >= phases && proved > 0,
+        "{phases} {narrowed} {proved}"
+    );
 }
 
 /// Random motors with friction, through stops and reversals: true parameters are never excluded, and proved
