@@ -33,6 +33,8 @@ mod power;
 mod relation;
 mod reverse;
 pub mod round;
+#[cfg(feature = "serde")]
+mod saved;
 mod self_test;
 mod step;
 pub mod text;

@@ -1,5 +1,6 @@
 //! What identification is asked, and what it says.
 
+use serde::{Deserialize, Serialize};
 use veribound_interval::round::{div_up, sub_down};
 use veribound_interval::{Decimal, Interval};
 
@@ -16,6 +17,9 @@ pub struct IdentifyOptions {
     pub sets: usize,
     /// Threads; the result does not depend on them.
     pub threads: usize,
+    /// Bytes that sets and tiles may take, about; those in work come on top of it. When they are taken nothing is
+    /// divided further.
+    pub memory: usize,
 }
 
 impl Default for IdentifyOptions {
@@ -25,6 +29,7 @@ impl Default for IdentifyOptions {
             undecided: None,
             sets: 200,
             threads: 1,
+            memory: usize::MAX,
         }
     }
 }
@@ -58,7 +63,7 @@ impl Bounds {
 }
 
 /// What is known of the parameters in a tile.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Status {
     /// All agree with model and records, with some start states.
     Inside,
@@ -69,7 +74,7 @@ pub enum Status {
 }
 
 /// Why a tile has its status.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Reason {
     /// A quantity cannot have the value that this sample tells, with what samples before it leave.
     Sample {
@@ -93,7 +98,7 @@ pub enum Reason {
 }
 
 /// A box of parameters, and what is known of it.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Tile {
     /// One interval per parameter.
     pub params: Vec<Interval>,
@@ -191,9 +196,23 @@ pub enum Limit {
     Record,
     /// More sets would have to be looked at.
     Budget,
+    /// More sets would have to be kept.
+    Memory,
     /// Solutions could not be enclosed to the end of the record.
     Enclosure,
 }
+
+/// Where an identification is kept, so that it can go on after its end was forced.
+pub struct Checkpoints<'a> {
+    /// What was saved last by a run with the same model, records and options.
+    pub from: Option<&'a [u8]>,
+    /// Called now and then with what makes the bytes to save; it may save or not.
+    pub save: &'a (dyn Fn(&dyn Fn() -> Vec<u8>) + Sync),
+}
+
+/// What was saved is not of this model, these records or this version.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unreadable;
 
 /// How far identification has come.
 #[derive(Debug, Clone, PartialEq)]

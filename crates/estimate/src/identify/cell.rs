@@ -12,6 +12,7 @@ use super::problem::Problem;
 use super::region::{Region, scales_of};
 use super::rows::{Affine, Rows};
 use super::simplex::{Program, Side};
+use serde::{Deserialize, Serialize};
 use veribound_flow::form::Parallelotope;
 use veribound_interval::Interval;
 
@@ -43,7 +44,7 @@ const NEAR_BORDER: f64 = 1.0 - 2.0 * BORDER;
 pub(crate) const BELIEVED: usize = u32::MAX as usize;
 
 /// How far a region was narrowed, and what the last pass says of the rest.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Cell {
     pub(crate) region: Region,
     /// Rows in the unknowns of the region.
@@ -60,7 +61,7 @@ pub(crate) struct Cell {
 }
 
 /// A conflict, and the record it is in.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Clash {
     pub(crate) record: usize,
     pub(crate) conflict: Conflict,
@@ -410,6 +411,25 @@ fn information(rows: &Rows, part: &[Interval]) -> Vec<f64> {
 }
 
 impl Cell {
+    /// What it takes in memory, about.
+    pub(crate) fn bytes(&self) -> usize {
+        let axes = self.part.len();
+        let row = 8 * axes + 40;
+        row * self.rows.len() + 8 * (axes + 2) * self.region.centre.len() + 300
+    }
+
+    /// Whether its lists have the lengths of a problem with so many quantities and records.
+    pub(crate) fn fits(&self, quantities: usize, records: usize) -> bool {
+        let axes = self.part.len();
+        let region = &self.region;
+        let lists = [region.centre.len(), region.axes.len(), region.rest.len()];
+        lists == [quantities; 3]
+            && region.axes.iter().all(|row| row.len() == axes)
+            && self.rows.unknowns() == axes
+            && self.curvature.len() == axes
+            && self.reached.len() == records
+    }
+
     /// The region that is left, turned along its rows where that makes it much smaller.
     pub(crate) fn smaller(&self, may_turn: bool) -> (Region, bool) {
         let upright = self.region.part(&self.part);

@@ -13,8 +13,8 @@ mod search;
 mod simplex;
 
 pub use answer::{
-    AfterReset, Bounds, Conclusion, Identified, IdentifyOptions, LeastError, Limit, Progress,
-    Reason, Refuted, Status, Tile,
+    AfterReset, Bounds, Checkpoints, Conclusion, Identified, IdentifyOptions, LeastError, Limit,
+    Progress, Reason, Refuted, Status, Tile, Unreadable,
 };
 
 use problem::Problem;
@@ -33,21 +33,63 @@ pub fn identify(
     options: &IdentifyOptions,
     go_on: &(dyn Fn(&Progress) -> bool + Sync),
 ) -> Identified {
+    let none = Checkpoints {
+        from: None,
+        save: &|_| (),
+    };
+    match resume(model, records, options, &none, go_on) {
+        Ok(found) => found,
+        Err(Unreadable) => unreachable!("PROOF: nothing is read"),
+    }
+}
+
+/// As [`identify`], which goes on where an earlier run was saved, and saves itself.
+///
+/// Guarantee: that of [`identify`], with the same result to the bit as a run that was never ended.
+///
+/// Errors: [`Unreadable`].
+pub fn resume(
+    model: &Model,
+    records: &[Vec<Sample>],
+    options: &IdentifyOptions,
+    checkpoints: &Checkpoints<'_>,
+    go_on: &(dyn Fn(&Progress) -> bool + Sync),
+) -> Result<Identified, Unreadable> {
     let work = || {
         let problem = Problem::of(model, records);
         let mut search = Search::new(&problem, options);
-        searched(&mut search, (model, records), go_on);
+        let tiles = match checkpoints.from {
+            Some(saved) => search.read(saved)?,
+            None => None,
+        };
+        let keep = Keep {
+            save: checkpoints.save,
+            go_on,
+        };
+        if tiles.is_none() {
+            if checkpoints.from.is_some() {
+                search.run(None, &keep);
+            } else {
+                searched(&mut search, (model, records), &keep);
+            }
+        }
         let tiles = match options.undecided {
-            Some(share) => search.pave(share, go_on),
+            Some(share) => search.pave(tiles, share, &keep),
             None => Vec::new(),
         };
         let mut found = search.answer(tiles);
         if let Conclusion::Inconsistent(refuted) = found.conclusion {
             found.conclusion = problem.confirm(refuted);
         }
-        found
+        Ok(found)
     };
     on_threads(options.threads, work)
+}
+
+/// Whom a search tells how far it is.
+pub(crate) struct Keep<'a> {
+    save: &'a (dyn Fn(&dyn Fn() -> Vec<u8>) + Sync),
+    go_on: &'a (dyn Fn(&Progress) -> bool + Sync),
 }
 
 /// How often the largest factor tried is taken of the one before.
@@ -88,7 +130,11 @@ pub fn least_error(
                         .collect()
                 })
                 .collect();
-            searched(&mut search, (model, &wider), go_on);
+            let keep = Keep {
+                save: &|_| (),
+                go_on,
+            };
+            searched(&mut search, (model, &wider), &keep);
             let (below, least) = search.least();
             let spent = search.answer(Vec::new());
             found.sets += spent.sets;
@@ -118,20 +164,16 @@ fn scaled(sample: &Sample, times: f64) -> Sample {
 }
 
 /// Divides the prior, after the observer where it is too wide for forms.
-fn searched(
-    search: &mut Search<'_>,
-    (model, records): (&Model, &[Vec<Sample>]),
-    go_on: &(dyn Fn(&Progress) -> bool + Sync),
-) {
+fn searched(search: &mut Search<'_>, (model, records): (&Model, &[Vec<Sample>]), keep: &Keep<'_>) {
     let problem = search.problem();
     let mut believed = problem.believed();
     if search.reaches(&believed) {
-        search.run(None, go_on);
+        search.run(None, keep);
         return;
     }
-    let alive = || go_on(&search.progress());
+    let alive = || (keep.go_on)(&search.progress());
     match gross::narrow(problem, model, records, &mut believed, &alive) {
-        Ok(()) => search.run(Some(Region::of_box(&believed)), go_on),
+        Ok(()) => search.run(Some(Region::of_box(&believed)), keep),
         Err(clash) => search.refute(clash),
     }
 }

@@ -10,6 +10,7 @@ use super::problem::{Course, Problem, Value};
 use super::region::scales_of;
 use super::rows::{Affine, Rows, Scaled};
 use super::simplex::{Program, Side, minimum, refutes};
+use serde::{Deserialize, Serialize};
 use veribound_flow::form::{Arriving, Form, FormOptions, Meeting, Parallelotope};
 use veribound_interval::Interval;
 
@@ -57,7 +58,7 @@ pub(crate) struct Set {
 }
 
 /// Why a set contains no solution that agrees with the record.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Conflict {
     /// A quantity cannot have the value that a sample tells.
     Value { sample: usize },

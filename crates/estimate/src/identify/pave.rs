@@ -9,8 +9,7 @@
 )]
 
 use std::cmp::Ordering;
-use std::collections::BinaryHeap;
-use std::sync::Arc;
+use std::collections::{BTreeMap, BinaryHeap};
 
 use super::answer::{Progress, Reason, Status, Tile};
 use super::cell::{BELIEVED, Cell, is_well_inside};
@@ -18,6 +17,7 @@ use super::pass::Conflict;
 use super::problem::Problem;
 use super::region::Region;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use veribound_interval::Interval;
 
 /// Most tiles of a paving.
@@ -33,7 +33,7 @@ const MARGIN: f64 = 1e-5;
 const HIDDEN: f64 = 0.5;
 
 /// Rows in unknowns of which some are parameters, each alone.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Local {
     cell: Cell,
     /// For every parameter its axis, if it has one.
@@ -43,12 +43,12 @@ struct Local {
 }
 
 /// A tile that is not decided.
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Open {
     params: Vec<Interval>,
     volume: f64,
-    /// Rows that hold on it, unless it has to be moved itself.
-    local: Option<Arc<Local>>,
+    /// The rows that hold on it, unless it has to be moved itself: a key of [`State::locals`].
+    local: Option<usize>,
     /// The parameter to halve.
     axis: usize,
     order: usize,
@@ -85,18 +85,28 @@ enum Said {
     Hidden(usize),
 }
 
-/// A paving under way.
-pub(crate) struct Paving<'a> {
-    problem: &'a Problem,
+/// All tiles.
+#[derive(Debug, Default, Serialize, Deserialize)]
+pub(crate) struct State {
     open: BinaryHeap<Open>,
+    /// Rows by key, and how many open tiles they hold on.
+    locals: BTreeMap<usize, (Local, usize)>,
     tiles: Vec<Tile>,
     undecided: f64,
     inside: f64,
     next: usize,
+    /// Bytes that rows take, about.
+    held: usize,
     /// No more tiles are moved through the records.
     is_spent: bool,
     pub(crate) sets: usize,
     pub(crate) passes: usize,
+}
+
+/// A paving under way.
+pub(crate) struct Paving<'a> {
+    problem: &'a Problem,
+    pub(crate) state: State,
 }
 
 fn volume(params: &[Interval]) -> f64 {
@@ -105,95 +115,106 @@ fn volume(params: &[Interval]) -> f64 {
 }
 
 impl<'a> Paving<'a> {
-    /// The prior is one open tile.
-    pub(crate) fn new(problem: &'a Problem) -> Paving<'a> {
+    /// Goes on with what was begun, or with the prior as one open tile.
+    pub(crate) fn new(problem: &'a Problem, begun: Option<State>) -> Paving<'a> {
+        let is_new = begun.is_none();
         let mut paving = Paving {
             problem,
-            open: BinaryHeap::new(),
-            tiles: Vec::new(),
-            undecided: 0.0,
-            inside: 0.0,
-            next: 0,
-            is_spent: false,
-            sets: 0,
-            passes: 0,
+            state: begun.unwrap_or_default(),
         };
-        paving.push(problem.prior.clone(), None, 0);
+        if is_new {
+            paving.push(problem.prior.clone(), None, 0);
+        }
         paving
     }
 
-    fn push(&mut self, params: Vec<Interval>, local: Option<Arc<Local>>, axis: usize) {
+    fn push(&mut self, params: Vec<Interval>, local: Option<usize>, axis: usize) {
         let volume = volume(&params);
-        self.undecided += volume;
-        self.next += 1;
-        self.open.push(Open {
+        self.state.undecided += volume;
+        self.state.next += 1;
+        self.state.open.push(Open {
             params,
             volume,
             local,
             axis,
-            order: self.next,
+            order: self.state.next,
         });
     }
 
     fn close(&mut self, params: Vec<Interval>, status: Status, reason: Reason) {
         if status == Status::Inside {
-            self.inside += volume(&params);
+            self.state.inside += volume(&params);
         }
-        self.tiles.push(Tile {
+        self.state.tiles.push(Tile {
             params,
             status,
             reason,
         });
     }
 
-    /// Goes on until open tiles are at most this share of the volume that is not excluded, or `sets` tiles were moved
-    /// through the records; false if it was asked to end.
+    /// Goes on until open tiles are at most this share of the volume that is not excluded, `sets` tiles were moved
+    /// through the records, or so many bytes are taken; false if it was asked to end.
     pub(crate) fn run(
         &mut self,
-        share: f64,
-        sets: usize,
+        (share, sets, memory): (f64, usize, usize),
+        save: &dyn Fn(&State),
         go_on: &dyn Fn(&Progress) -> bool,
     ) -> bool {
         let mut waiting: Vec<Open> = Vec::new();
-        while !self.is_spent
-            && self.undecided > share * (self.undecided + self.inside)
-            && self.tiles.len() + self.open.len() < MOST_TILES
+        while !self.state.is_spent
+            && self.state.undecided > share * (self.state.undecided + self.state.inside)
+            && self.state.tiles.len() + self.state.open.len() < MOST_TILES
+            && self.bytes() <= memory
         {
-            let Some(open) = self.open.pop() else {
+            let Some(open) = self.state.open.pop() else {
                 if waiting.is_empty() {
                     break;
                 }
                 if !self.move_all(&mut waiting, sets, go_on) {
                     return false;
                 }
+                self.keep(save);
                 continue;
             };
-            self.undecided -= open.volume;
-            match &open.local {
+            self.state.undecided -= open.volume;
+            match open.local {
                 None => {
-                    self.undecided += open.volume;
+                    self.state.undecided += open.volume;
                     waiting.push(open);
-                    if waiting.len() >= AT_ONCE && !self.move_all(&mut waiting, sets, go_on) {
-                        return false;
+                    if waiting.len() >= AT_ONCE {
+                        if !self.move_all(&mut waiting, sets, go_on) {
+                            return false;
+                        }
+                        self.keep(save);
                     }
                 }
-                Some(local) => {
-                    let local = Arc::clone(local);
-                    self.halve(&open, &local);
-                }
+                Some(local) => self.halve(&open, local),
             }
         }
-        self.open.extend(waiting);
+        self.state.open.extend(waiting);
         true
+    }
+
+    /// Saves, but not where tiles still wait that no list holds.
+    fn keep(&self, save: &dyn Fn(&State)) {
+        if !self.state.is_spent {
+            save(&self.state);
+        }
+    }
+
+    /// What tiles and rows take in memory, about.
+    fn bytes(&self) -> usize {
+        let tile = 16 * self.problem.layout.params + 150;
+        self.state.held + tile * (self.state.tiles.len() + self.state.open.len())
     }
 
     /// The open tiles stay undecided.
     pub(crate) fn tiles(mut self) -> Vec<Tile> {
-        let open = std::mem::take(&mut self.open);
+        let open = std::mem::take(&mut self.state.open);
         for open in open.into_sorted_vec() {
             self.close(open.params, Status::Undecided, Reason::Budget);
         }
-        self.tiles
+        self.state.tiles
     }
 
     /// Moves tiles through the records.
@@ -203,8 +224,8 @@ impl<'a> Paving<'a> {
         sets: usize,
         go_on: &dyn Fn(&Progress) -> bool,
     ) -> bool {
-        if self.sets + waiting.len() > sets {
-            self.is_spent = true;
+        if self.state.sets + waiting.len() > sets {
+            self.state.is_spent = true;
             return true;
         }
         let problem = self.problem;
@@ -221,11 +242,11 @@ impl<'a> Paving<'a> {
             })
             .collect();
         for (open, cell) in waiting.drain(..).zip(cells) {
-            self.undecided -= open.volume;
-            self.sets += 1;
+            self.state.undecided -= open.volume;
+            self.state.sets += 1;
             match cell {
                 Err(clash) => {
-                    self.passes += clash.passes;
+                    self.state.passes += clash.passes;
                     self.close(
                         open.params,
                         Status::Outside,
@@ -233,15 +254,15 @@ impl<'a> Paving<'a> {
                     );
                 }
                 Ok(cell) => {
-                    self.passes += cell.passes;
+                    self.state.passes += cell.passes;
                     self.moved(open.params, cell);
                 }
             }
         }
         go_on(&Progress {
-            sets: self.sets,
-            waiting: self.open.len(),
-            left: self.undecided / volume(&problem.prior),
+            sets: self.state.sets,
+            waiting: self.state.open.len(),
+            left: self.state.undecided / volume(&problem.prior),
             tightness: f64::NAN,
         })
     }
@@ -287,7 +308,12 @@ impl<'a> Paving<'a> {
         match local.says(&rest, self.problem) {
             Said::Inside => self.close(rest, Status::Inside, Reason::Met),
             Said::Outside(reason) => self.close(rest, Status::Outside, reason),
-            Said::Halve(axis) => self.push(rest, Some(Arc::new(local)), axis),
+            Said::Halve(axis) => {
+                let key = self.state.next;
+                self.state.held += local.cell.bytes();
+                self.state.locals.insert(key, (local, 1));
+                self.push(rest, Some(key), axis);
+            }
             // Halves are moved themselves.
             Said::Hidden(_) => {
                 let halves = halves(&rest, axis);
@@ -301,18 +327,30 @@ impl<'a> Paving<'a> {
         }
     }
 
-    fn halve(&mut self, open: &Open, local: &Arc<Local>) {
+    fn halve(&mut self, open: &Open, key: usize) {
         let halves = halves(&open.params, open.axis);
         if halves.is_empty() {
             self.close(open.params.clone(), Status::Undecided, Reason::Budget);
         }
+        let Some((local, mut count)) = self.state.locals.remove(&key) else {
+            return;
+        };
+        count -= 1;
         for half in halves {
             match local.says(&half, self.problem) {
                 Said::Inside => self.close(half, Status::Inside, Reason::Met),
                 Said::Outside(reason) => self.close(half, Status::Outside, reason),
-                Said::Halve(axis) => self.push(half, Some(Arc::clone(local)), axis),
+                Said::Halve(axis) => {
+                    count += 1;
+                    self.push(half, Some(key), axis);
+                }
                 Said::Hidden(axis) => self.push(half, None, axis),
             }
+        }
+        if count > 0 {
+            self.state.locals.insert(key, (local, count));
+        } else {
+            self.state.held -= local.cell.bytes();
         }
     }
 }

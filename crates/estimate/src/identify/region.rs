@@ -9,6 +9,7 @@
     reason = "PROOF: one row of axes per quantity, one entry per axis"
 )]
 
+use serde::{Deserialize, Serialize};
 use veribound_flow::form::Parallelotope;
 use veribound_interval::Interval;
 
@@ -16,7 +17,7 @@ use veribound_interval::Interval;
 const THIN: f64 = 1e-13;
 
 /// A set of start values and parameters.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Region {
     pub(crate) centre: Vec<f64>,
     /// One row per quantity, one column per axis.

@@ -4,6 +4,7 @@
     reason = "PROOF: every row has one slope per unknown, and one entry in each list"
 )]
 
+use serde::{Deserialize, Serialize};
 use veribound_interval::Interval;
 use veribound_interval::round::{sub_down, sub_up};
 
@@ -12,7 +13,7 @@ use veribound_interval::round::{sub_down, sub_up};
 /// Guarantee: for every solution that agrees with the record, and its unknowns `δ`, `g·δ` lies in
 /// [`Rows::outer`]. If `g·δ` lies in [`Rows::inner`], every solution with these unknowns agrees with the sample
 /// that the row is from, whatever inputs and rounding do.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Rows {
     unknowns: usize,
     slopes: Vec<f64>,

@@ -4,21 +4,24 @@
     reason = "PROOF: one pair of bounds per quantity of a region"
 )]
 
+use super::Keep;
 use super::answer::{
-    AfterReset, Bounds, Conclusion, Identified, IdentifyOptions, Limit, Progress, Tile,
+    AfterReset, Bounds, Conclusion, Identified, IdentifyOptions, Limit, Progress, Tile, Unreadable,
 };
 use super::cell::{BELIEVED, Cell, Clash};
 use super::pass::Conflict;
-use super::pave::Paving;
+use super::pave::{self, Paving};
 use super::problem::Problem;
 use super::region::Region;
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use veribound_interval::Interval;
 
 /// Regions that are divided at once, whatever the number of threads, so that this never changes a result.
 const AT_ONCE: usize = 8;
 
 /// A cell with the proved bounds of every quantity.
+#[derive(Serialize, Deserialize)]
 struct Leaf {
     cell: Cell,
     /// Unknowns that are proved to agree with all records.
@@ -58,7 +61,7 @@ const ANEW: usize = 8;
 const USEFUL: f64 = 0.2;
 
 /// The proved point at which a quantity is least or largest, and where to look for a better one.
-#[derive(Clone)]
+#[derive(Clone, Serialize, Deserialize)]
 struct Best {
     region: Region,
     point: Vec<f64>,
@@ -75,20 +78,16 @@ enum Job {
     Middle(Box<Cell>, f64),
 }
 
-/// Everything that is known.
-pub(crate) struct Search<'a> {
-    problem: &'a Problem,
-    options: &'a IdentifyOptions,
+/// Everything that is known, but of which quantities.
+#[derive(Serialize, Deserialize)]
+struct State {
     leaves: Vec<Leaf>,
     /// Per quantity the least upper and the largest lower bound of a proved point's value; the points themselves,
     /// as boxes of all quantities.
     inner: Vec<(f64, f64)>,
     points: Vec<Vec<Interval>>,
-    /// The quantities that bounds are wanted of, and for each the points where it is least and largest.
-    wanted: Vec<usize>,
+    /// For each of the quantities that bounds are wanted of the points where it is least and largest.
     best: Vec<[Option<Best>; 2]>,
-    /// What is believed of every quantity before any sample.
-    believed: Vec<Interval>,
     /// How often a point was looked for in vain, since so many sets, and where last.
     tries: usize,
     tries_since: usize,
@@ -96,6 +95,19 @@ pub(crate) struct Search<'a> {
     clashes: Vec<Clash>,
     sets: usize,
     passes: usize,
+    /// What was missing after so many sets.
+    judged: (usize, f64),
+}
+
+/// A search for bounds.
+pub(crate) struct Search<'a> {
+    problem: &'a Problem,
+    options: &'a IdentifyOptions,
+    /// The quantities that bounds are wanted of.
+    wanted: Vec<usize>,
+    /// What is believed of every quantity before any sample.
+    believed: Vec<Interval>,
+    state: State,
     interrupted: bool,
 }
 
@@ -114,21 +126,25 @@ impl<'a> Search<'a> {
             Some(factor) => vec![factor],
             None => problem.lasting(),
         };
-        Search {
-            problem,
-            options,
+        let state = State {
             leaves: Vec::new(),
             inner: vec![(f64::INFINITY, f64::NEG_INFINITY); believed.len()],
             points: Vec::new(),
             best: vec![[None, None]; wanted.len()],
-            wanted,
-            believed,
             tries: 0,
             tries_since: 0,
             tried: None,
             clashes: Vec::new(),
             sets: 0,
             passes: 0,
+            judged: (0, f64::INFINITY),
+        };
+        Search {
+            problem,
+            options,
+            wanted,
+            believed,
+            state,
             interrupted: false,
         }
     }
@@ -165,7 +181,7 @@ impl<'a> Search<'a> {
 
     /// Nothing agrees with the records.
     pub(crate) fn refute(&mut self, clash: Clash) {
-        self.clashes.push(clash);
+        self.state.clashes.push(clash);
     }
 
     fn look_at(&self, job: &Job) -> Outcome {
@@ -186,7 +202,7 @@ impl<'a> Search<'a> {
                     Err(clash) => Outcome::Gone(clash),
                 };
             }
-            Job::Climb(param, side) => self.best[*param][*side]
+            Job::Climb(param, side) => self.state.best[*param][*side]
                 .as_ref()
                 .and_then(|best| self.problem.probe(&best.region, &best.point, best.reach)),
             Job::Middle(cell, reach) => self.problem.probe(&cell.region, &cell.deepest().0, *reach),
@@ -200,34 +216,34 @@ impl<'a> Search<'a> {
     fn take(&mut self, job: &Job, outcome: Outcome) {
         match outcome {
             Outcome::Gone(clash) => {
-                self.sets += 1;
-                self.passes += clash.passes;
-                self.clashes.push(clash);
+                self.state.sets += 1;
+                self.state.passes += clash.passes;
+                self.state.clashes.push(clash);
             }
             Outcome::Left(leaf) => {
-                self.sets += 1;
-                self.passes += leaf.cell.passes;
+                self.state.sets += 1;
+                self.state.passes += leaf.cell.passes;
                 for point in &leaf.points {
                     self.learn(&leaf.cell, point, REACH);
                 }
-                self.leaves.push(*leaf);
+                self.state.leaves.push(*leaf);
             }
             Outcome::Proved(cell, points) => {
                 let before = match job {
-                    Job::Climb(param, side) => self.best[*param][*side].clone(),
+                    Job::Climb(param, side) => self.state.best[*param][*side].clone(),
                     _ => None,
                 };
                 let mut ends = None;
                 if let Job::Middle(from, reach) = job {
-                    self.tries += 1;
+                    self.state.tries += 1;
                     let ended = cell.clone().filter(|cell| self.has_ended(cell));
-                    self.tried = Some(match ended {
+                    self.state.tried = Some(match ended {
                         Some(cell) => (cell, REACH),
                         None => (from.clone(), NEARER * reach),
                     });
                 }
                 if let Some(cell) = cell {
-                    self.passes += cell.passes;
+                    self.state.passes += cell.passes;
                     for point in &points {
                         self.learn(&cell, point, 1.0);
                     }
@@ -247,7 +263,7 @@ impl<'a> Search<'a> {
     fn pace(&mut self, param: usize, side: usize, before: Option<Best>, ends: Option<Interval>) {
         let outer = self.outer(self.wanted[param]);
         let end = if side == 0 { outer.lo() } else { outer.hi() };
-        let (Some(before), Some(best)) = (before, &mut self.best[param][side]) else {
+        let (Some(before), Some(best)) = (before, &mut self.state.best[param][side]) else {
             return;
         };
         let missing = (end - before.value).abs();
@@ -273,12 +289,12 @@ impl<'a> Search<'a> {
         let box_: Vec<Interval> = (0..self.believed.len())
             .map(|i| cell.region.range(i, &at))
             .collect();
-        let mut is_new = self.points.is_empty();
-        for (inner, x) in self.inner.iter_mut().zip(&box_) {
+        let mut is_new = self.state.points.is_empty();
+        for (inner, x) in self.state.inner.iter_mut().zip(&box_) {
             // The point is somewhere in x: only what is between all of it counts.
             *inner = (inner.0.min(x.hi()), inner.1.max(x.lo()));
         }
-        for (quantity, sides) in self.wanted.iter().zip(&mut self.best) {
+        for (quantity, sides) in self.wanted.iter().zip(&mut self.state.best) {
             let x = box_[*quantity];
             for (side, (best, value)) in sides.iter_mut().zip([x.hi(), x.lo()]).enumerate() {
                 let is_better = best.as_ref().is_none_or(|best| {
@@ -300,21 +316,24 @@ impl<'a> Search<'a> {
             }
         }
         if is_new {
-            self.points.push(box_);
+            self.state.points.push(box_);
         }
     }
 
     /// What is between proved points.
     fn inner(&self, quantity: usize) -> Option<Interval> {
-        let (lo, hi) = self.inner[quantity];
+        let (lo, hi) = self.state.inner[quantity];
         Interval::new(lo, hi)
     }
 
     /// Proved bounds of a quantity.
     fn outer(&self, quantity: usize) -> Interval {
-        self.leaves.iter().fold(Interval::EMPTY, |hull, leaf| {
-            hull.hull(leaf.outer[quantity])
-        })
+        self.state
+            .leaves
+            .iter()
+            .fold(Interval::EMPTY, |hull, leaf| {
+                hull.hull(leaf.outer[quantity])
+            })
     }
 
     /// How much of a bound may be too wide, as share of what is wanted; by parameter and side.
@@ -381,10 +400,12 @@ impl<'a> Search<'a> {
                 let x = leaf.outer[quantity];
                 if upper { -x.hi() } else { x.lo() }
             };
-            let mut order: Vec<usize> = (0..self.leaves.len())
-                .filter(|k| !self.leaves[*k].is_atom)
+            let mut order: Vec<usize> = (0..self.state.leaves.len())
+                .filter(|k| !self.state.leaves[*k].is_atom)
                 .collect();
-            order.sort_by(|a, b| end(&self.leaves[*a]).total_cmp(&end(&self.leaves[*b])));
+            order.sort_by(|a, b| {
+                end(&self.state.leaves[*a]).total_cmp(&end(&self.state.leaves[*b]))
+            });
             if let Some(extreme) = order.first()
                 && !chosen.contains(extreme)
             {
@@ -403,8 +424,8 @@ impl<'a> Search<'a> {
         });
         let tightness = self.bounds(self.wanted.iter().copied());
         Progress {
-            sets: self.sets,
-            waiting: self.leaves.len(),
+            sets: self.state.sets,
+            waiting: self.state.leaves.len(),
             left: left.product(),
             tightness: tightness.iter().map(Bounds::tightness).fold(1.0, f64::max),
         }
@@ -412,30 +433,31 @@ impl<'a> Search<'a> {
 
     /// Goes on, with another region if there is one, until bounds are near enough to the best possible, or the budget
     /// is spent.
-    pub(crate) fn run(&mut self, region: Option<Region>, go_on: &dyn Fn(&Progress) -> bool) {
+    pub(crate) fn run(&mut self, region: Option<Region>, keep: &Keep<'_>) {
         let mut jobs: Vec<Job> = match region {
             Some(region) => vec![Job::Divide(region)],
             None => self.next_jobs(),
         };
         let patience = PATIENCE.1.max(self.options.sets / PATIENCE.0);
-        let mut before = (0, f64::INFINITY);
         while !jobs.is_empty() {
             let search = &*self;
             let outcomes: Vec<Outcome> = jobs.par_iter().map(|job| search.look_at(job)).collect();
             for (job, outcome) in jobs.iter().zip(outcomes) {
                 self.take(job, outcome);
             }
-            if !go_on(&self.progress()) {
+            if !(keep.go_on)(&self.progress()) {
                 self.interrupted = true;
                 return;
             }
-            if self.sets >= before.0 + patience {
+            let (since, before) = self.state.judged;
+            if self.state.sets >= since + patience {
                 let missing = self.missing();
-                if missing > WORTHWHILE * before.1 {
+                if missing > WORTHWHILE * before {
                     return;
                 }
-                before = (self.sets, missing);
+                self.state.judged = (self.state.sets, missing);
             }
+            (keep.save)(&|| self.saved(None));
             jobs = self.next_jobs();
         }
     }
@@ -448,19 +470,23 @@ impl<'a> Search<'a> {
 
     /// Where better points may be.
     fn probes(&mut self) -> Vec<Job> {
-        if self.points.is_empty() {
-            if self.sets >= self.tries_since + ANEW {
-                (self.tries, self.tries_since) = (0, self.sets);
-                self.tried = None;
+        if self.state.points.is_empty() {
+            if self.state.sets >= self.state.tries_since + ANEW {
+                (self.state.tries, self.state.tries_since) = (0, self.state.sets);
+                self.state.tried = None;
             }
-            if self.tries >= TRIES {
+            if self.state.tries >= TRIES {
                 return Vec::new();
             }
             // Each time about where rows of the last place are met best.
-            if let Some((cell, reach)) = self.tried.take() {
+            if let Some((cell, reach)) = self.state.tried.take() {
                 return vec![Job::Middle(cell, reach)];
             }
-            let depths = self.leaves.iter().map(|leaf| (leaf, leaf.cell.deepest().1));
+            let depths = self
+                .state
+                .leaves
+                .iter()
+                .map(|leaf| (leaf, leaf.cell.deepest().1));
             return depths
                 .max_by(|a, b| a.1.total_cmp(&b.1))
                 .map(|(leaf, _)| Job::Middle(Box::new(leaf.cell.clone()), REACH))
@@ -474,7 +500,7 @@ impl<'a> Search<'a> {
             .filter_map(|(_, quantity, upper)| Some((position(quantity)?, usize::from(upper))));
         wanted
             .filter(|(param, side)| {
-                let best = self.best[*param][*side].as_ref();
+                let best = self.state.best[*param][*side].as_ref();
                 best.is_some_and(|best| best.reach > NEAREST)
             })
             .map(|(param, side)| Job::Climb(param, side))
@@ -483,32 +509,79 @@ impl<'a> Search<'a> {
 
     /// Halves of the leaves that decide what is not known well enough.
     fn divisions(&mut self) -> Vec<Job> {
+        if self.is_full() {
+            return Vec::new();
+        }
         let mut chosen = self.worst();
-        let room = self.options.sets.saturating_sub(self.sets) / 2;
+        let room = self.options.sets.saturating_sub(self.state.sets) / 2;
         chosen.truncate(room);
         chosen.sort_unstable_by(|a, b| b.cmp(a));
         let mut jobs = Vec::new();
         for position in chosen {
-            match self.leaves[position].cell.halves() {
+            match self.state.leaves[position].cell.halves() {
                 Some(halves) => {
-                    self.leaves.swap_remove(position);
+                    self.state.leaves.swap_remove(position);
                     jobs.extend(halves.map(Job::Divide));
                 }
-                None => self.leaves[position].is_atom = true,
+                None => self.state.leaves[position].is_atom = true,
             }
         }
         jobs
     }
 
     /// Paves the prior, so that undecided tiles are at most this share of the volume that is not excluded.
-    pub(crate) fn pave(&mut self, share: f64, go_on: &dyn Fn(&Progress) -> bool) -> Vec<Tile> {
-        let mut paving = Paving::new(self.problem);
+    pub(crate) fn pave(
+        &mut self,
+        begun: Option<pave::State>,
+        share: f64,
+        keep: &Keep<'_>,
+    ) -> Vec<Tile> {
+        let mut paving = Paving::new(self.problem, begun);
         let sets = self.options.sets.saturating_mul(TILES_PER_SET);
-        let goes_on = paving.run(share, sets, go_on);
+        let limits = (share, sets, self.options.memory);
+        let save = |state: &pave::State| (keep.save)(&|| self.saved(Some(state)));
+        let goes_on = paving.run(limits, &save, keep.go_on);
         self.interrupted |= !goes_on;
-        self.sets += paving.sets;
-        self.passes += paving.passes;
+        self.state.sets += paving.state.sets;
+        self.state.passes += paving.state.passes;
         paving.tiles()
+    }
+
+    /// All that is known, so that [`Search::read`] can go on from it; with the tiles, where there are some already.
+    fn saved(&self, tiles: Option<&pave::State>) -> Vec<u8> {
+        // Writing to memory does not fail; who reads nothing begins anew.
+        postcard::to_stdvec(&(&self.state, tiles)).unwrap_or_default()
+    }
+
+    /// Goes back to what was saved, and tells the tiles.
+    ///
+    /// Errors: [`Unreadable`] where it is of another problem, or no such thing.
+    pub(crate) fn read(&mut self, saved: &[u8]) -> Result<Option<pave::State>, Unreadable> {
+        let read: Result<(State, Option<pave::State>), _> = postcard::from_bytes(saved);
+        let (state, tiles) = read.map_err(|_| Unreadable)?;
+        let quantities = self.believed.len();
+        let fits = |leaf: &Leaf| {
+            leaf.outer.len() == quantities && leaf.cell.fits(quantities, self.problem.courses.len())
+        };
+        let is_own = state.inner.len() == quantities
+            && state.best.len() == self.wanted.len()
+            && state.points.iter().all(|point| point.len() == quantities)
+            && state.leaves.iter().all(fits);
+        if !is_own {
+            return Err(Unreadable);
+        }
+        self.state = state;
+        Ok(tiles)
+    }
+
+    /// What the leaves take in memory, about.
+    fn bytes(&self) -> usize {
+        self.state.leaves.iter().map(|leaf| leaf.cell.bytes()).sum()
+    }
+
+    /// Whether no more may be kept.
+    fn is_full(&self) -> bool {
+        self.options.memory < usize::MAX && self.bytes() > self.options.memory
     }
 
     fn bounds(&self, quantities: impl Iterator<Item = usize>) -> Vec<Bounds> {
@@ -547,7 +620,7 @@ impl<'a> Search<'a> {
         };
         let least =
             |a: &&Vec<Interval>, b: &&Vec<Interval>| a[factor].hi().total_cmp(&b[factor].hi());
-        let best = self.points.iter().min_by(least);
+        let best = self.state.points.iter().min_by(least);
         let params = self.problem.params();
         (
             below,
@@ -558,15 +631,19 @@ impl<'a> Search<'a> {
     /// What was proved.
     pub(crate) fn answer(self, tiles: Vec<Tile>) -> Identified {
         let params = self.problem.params();
-        let conclusion = if self.leaves.is_empty() {
+        let conclusion = if self.state.leaves.is_empty() {
             self.refuted()
-        } else if self.points.is_empty() {
+        } else if self.state.points.is_empty() {
             Conclusion::Undecided
         } else {
             Conclusion::Consistent
         };
         let gaps = self.gaps();
-        let all_ended = self.leaves.iter().all(|leaf| self.has_ended(&leaf.cell));
+        let all_ended = self
+            .state
+            .leaves
+            .iter()
+            .all(|leaf| self.has_ended(&leaf.cell));
         let limits = params.clone().map(|quantity| {
             let is_tight = gaps
                 .iter()
@@ -574,6 +651,8 @@ impl<'a> Search<'a> {
                 .all(|gap| gap.0 <= 1.0);
             if is_tight {
                 Limit::Record
+            } else if self.is_full() {
+                Limit::Memory
             } else if all_ended {
                 Limit::Budget
             } else {
@@ -591,13 +670,14 @@ impl<'a> Search<'a> {
                 .map(|record| self.bounds(self.problem.starts(record)))
                 .collect(),
             points: self
+                .state
                 .points
                 .iter()
                 .map(|point| point[params.clone()].to_vec())
                 .collect(),
             tiles,
-            sets: self.sets,
-            passes: self.passes,
+            sets: self.state.sets,
+            passes: self.state.passes,
             interrupted: self.interrupted,
         }
     }
@@ -605,7 +685,7 @@ impl<'a> Search<'a> {
     /// Samples that took part last in excluding regions, as candidates, and how far any record was read.
     fn refuted(&self) -> Conclusion {
         let mut all: Vec<(usize, usize)> = Vec::new();
-        for clash in &self.clashes {
+        for clash in &self.state.clashes {
             match &clash.conflict {
                 Conflict::Value { sample, .. } => all.push((*sample, clash.record)),
                 Conflict::Rows { samples } => all.extend(samples),
