@@ -11,16 +11,15 @@ mod similar;
 mod units;
 
 use crate::digest::Digesting;
-use crate::failure;
 use crate::reader::lines::{Lines, quote};
+use crate::reader::source::{Bytes, TableSource};
 use crate::reader::{Line, bad_quotes, fields, is_comment};
 use header::{Column, Header};
 use layout::{Finder, Layout};
 use problems::Problems;
 use row::{Row, Rows};
-use std::fs::File;
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use veribound_interval::{Decimal, text};
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
@@ -55,7 +54,7 @@ pub struct RecordOptions {
 /// grow with its length.
 #[derive(Debug, Clone)]
 pub struct Record {
-    path: PathBuf,
+    source: TableSource,
     name: Arc<str>,
     layout: Arc<Layout>,
     options: RecordOptions,
@@ -76,29 +75,26 @@ impl Record {
     /// *Errors*: everything that is wrong with the file (the first problems in full, the rest
     /// counted), codes `E04xx`.
     pub fn open(
-        path: impl AsRef<Path>,
+        source: impl Into<TableSource>,
         model: &Model,
         options: RecordOptions,
     ) -> Result<Record, Diagnostics> {
-        Record::open_watched(path, model, options, &mut |_| {})
+        Record::open_watched(source, model, options, &mut |_| {})
     }
 
     /// As [`Record::open`]; tells `watch` from time to time how many bytes have been checked.
     ///
     /// *Errors*: those of [`Record::open`].
     pub fn open_watched(
-        path: impl AsRef<Path>,
+        source: impl Into<TableSource>,
         model: &Model,
         options: RecordOptions,
         watch: &mut dyn FnMut(u64),
     ) -> Result<Record, Diagnostics> {
-        let path = path.as_ref().to_path_buf();
-        let name: Arc<str> = Arc::from(path.display().to_string());
-        let file = open_file(&path, &name)?;
-        let mut lines = Lines::new(
-            BufReader::with_capacity(BUFFER, Digesting::new(file)),
-            &name,
-        )?;
+        let source = source.into();
+        let name: Arc<str> = Arc::from(source.path().display().to_string());
+        let bytes = Digesting::new(source.open(false)?);
+        let mut lines = Lines::new(BufReader::with_capacity(BUFFER, bytes), &name)?;
         let header = read_header(&mut lines, &name)?;
         let mut problems = Problems::default();
         let finder = Finder {
@@ -125,7 +121,7 @@ impl Record {
         };
         Ok(Record {
             sha256: lines.into_input().into_inner().finish(),
-            path,
+            source,
             missing,
             hint,
             layout: Arc::new(layout),
@@ -141,8 +137,7 @@ impl Record {
     ///
     /// *Errors*: when the file cannot be opened any more.
     pub fn samples(&self) -> Result<Samples, Diagnostics> {
-        let file = open_file(&self.path, &self.name)?;
-        let mut lines = Lines::new(BufReader::with_capacity(BUFFER, file), &self.name)?;
+        let mut lines = self.lines()?;
         read_header(&mut lines, &self.name)?;
         Ok(Samples {
             lines,
@@ -152,6 +147,24 @@ impl Record {
             rows: Rows::new(),
             is_done: false,
         })
+    }
+
+    /// A line as it stands in the file (the first is 1), for messages; empty where it cannot be read again.
+    pub fn line(&self, number: usize) -> String {
+        let Ok(mut lines) = self.lines() else {
+            return String::new();
+        };
+        while let Ok(Some((text, at))) = lines.next_line() {
+            if at == number {
+                return text.to_owned();
+            }
+        }
+        String::new()
+    }
+
+    fn lines(&self) -> Result<Lines<BufReader<Bytes>>, Diagnostic> {
+        let bytes = self.source.open(false)?;
+        Lines::new(BufReader::with_capacity(BUFFER, bytes), &self.name)
     }
 
     /// All samples of the window together.
@@ -188,9 +201,9 @@ impl Record {
         &self.sha256
     }
 
-    /// Path as the user gave it.
+    /// Path as the user gave it, or the name of a text in memory.
     pub fn path(&self) -> &Path {
-        &self.path
+        self.source.path()
     }
 
     /// Pairs of a variable and the header of the column (or columns) it is read from; the first
@@ -231,7 +244,7 @@ impl Record {
 /// An error means that the file was changed after [`Record::open`] checked it; nothing follows it.
 #[derive(Debug)]
 pub struct Samples {
-    lines: Lines<BufReader<File>>,
+    lines: Lines<BufReader<Bytes>>,
     name: Arc<str>,
     layout: Arc<Layout>,
     options: RecordOptions,
@@ -359,24 +372,6 @@ fn check<R: BufRead>(
         *last = time.clone();
     }
     seen
-}
-
-fn open_file(path: &Path, name: &str) -> Result<File, Diagnostic> {
-    let refuse = |error| failure::unreadable(name, &error);
-    let file = File::open(path).map_err(refuse)?;
-    let kind = file.metadata().map_err(refuse)?.file_type();
-    if kind.is_dir() {
-        return Err(refuse(std::io::ErrorKind::IsADirectory.into()));
-    }
-    if !kind.is_file() {
-        // The record is read twice; a pipe can be read only once.
-        return Err(Diagnostic::new(
-            "E0401",
-            format!("cannot read `{name}`: it is no regular file"),
-        )
-        .help("write the record to a file first"));
-    }
-    Ok(file)
 }
 
 fn read_header<R: BufRead>(lines: &mut Lines<R>, name: &str) -> Result<Header, Diagnostic> {

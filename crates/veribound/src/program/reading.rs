@@ -1,19 +1,17 @@
 //! Records that a run reads, and what is said of them.
 
 use super::arguments::Reading;
-use super::{message, progress};
-use std::fs;
-use std::path::Path;
-use veribound_data::{Record, RecordOptions};
+use super::message;
+use veribound_data::{Record, RecordOptions, TableSource};
 use veribound_model::diagnostic::Diagnostics;
 use veribound_model::{Coverage, Model};
 
-/// Opens a record as the flags say, with a bar for large ones.
+/// Opens a record as the flags say; tells `watch` how many bytes of it have been checked.
 pub fn open(
-    path: &Path,
+    source: TableSource,
     model: &Model,
     reading: &Reading,
-    quiet: bool,
+    watch: &mut dyn FnMut(u64),
 ) -> Result<Record, Diagnostics> {
     let columns = reading.column.iter();
     let options = RecordOptions {
@@ -24,12 +22,7 @@ pub fn open(
         from: reading.from.clone(),
         to: reading.to.clone(),
     };
-    let bytes = fs::metadata(path).map_or(0, |file| file.len());
-    let bar = progress::of_parts(bytes, "of the record checked", quiet);
-    let mut watch = |bytes| bar.set_position(bytes);
-    let record = Record::open_watched(path, model, options, &mut watch);
-    bar.finish_and_clear();
-    record
+    Record::open_watched(source, model, options, watch)
 }
 
 /// What a run with these records assumes beside the model file and the flags that weaken it.

@@ -4,8 +4,6 @@ use super::ending::Ending;
 use super::message;
 use super::numbers::show;
 use super::observe::Findings;
-use std::fs::File;
-use std::io::{BufRead, BufReader};
 use std::sync::Arc;
 use veribound_data::{Kind, Record, Verdict};
 use veribound_estimate::{Contradiction, Refutation, Undecided};
@@ -108,13 +106,19 @@ fn told<'m>(model: &'m Model, refutation: &Refutation) -> Told<'m> {
     }
 }
 
+/// Why a run did not end consistent.
+pub fn problem(model: &Model, record: &Record, found: &Findings) -> Option<Diagnostic> {
+    let refutation = found.refutation.as_ref();
+    let undecided = found.undecided.as_ref();
+    refutation
+        .map(|refutation| refuted(model, record, refutation))
+        .or_else(|| undecided.map(|undecided| not_decided(model, record, undecided)))
+}
+
 /// Tells on stderr why a run did not end consistent.
 pub fn explain(model: &Model, record: &Record, found: &Findings, at_length: bool) {
-    if let Some(refutation) = &found.refutation {
-        message::complain(&refuted(model, record, refutation).into());
-    }
-    if let Some(undecided) = &found.undecided {
-        message::complain(&not_decided(model, record, undecided).into());
+    if let Some(problem) = problem(model, record, found) {
+        message::complain(&problem.into());
     }
     if found.ending == Ending::Interrupted && at_length {
         message::remark("interrupted: the files are complete up to the last sample");
@@ -245,11 +249,7 @@ fn why(model: &Model, undecided: &Undecided) -> String {
 /// Shows the line of the record; without it where it cannot be read again.
 pub fn at_line(problem: Diagnostic, record: &Record, number: usize, label: String) -> Diagnostic {
     let name = record.path().display().to_string();
-    let line = File::open(record.path())
-        .ok()
-        .and_then(|file| BufReader::new(file).lines().nth(number.saturating_sub(1)))
-        .and_then(Result::ok)
-        .unwrap_or_default();
+    let line = record.line(number);
     let end = line.len();
     problem.at(
         &Arc::new(SourceText::excerpt(name, line, number)),

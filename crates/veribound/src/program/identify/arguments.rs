@@ -10,6 +10,9 @@ use veribound_estimate::identify::IdentifyOptions;
 /// Flags of `veribound identify`.
 #[derive(Debug, Args)]
 pub struct Identify {
+    /// What was typed, word by word.
+    #[arg(skip = super::super::run_info::typed())]
+    pub words: Vec<String>,
     /// Model file (TOML)
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,

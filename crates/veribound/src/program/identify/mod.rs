@@ -1,19 +1,20 @@
 //! `veribound identify`: what whole records leave of the parameters, proved from both sides.
 
 pub mod arguments;
-mod files;
-mod told;
-mod verdict;
+pub mod files;
+pub mod told;
+pub mod verdict;
 
-use super::arguments::Format;
+use super::arguments::{Format, Reading};
 use super::ending::Ending;
 use super::interrupt::Interrupt;
 use super::message::say;
 use super::numbers::show_times;
 use super::{Outcome, assumptions, overwriting, progress, reading, run_info};
 use arguments::Identify;
+use indicatif::ProgressBar;
 use std::time::Instant;
-use veribound_data::{Record, ResultFolder};
+use veribound_data::{Record, ResultFolder, TableSource};
 use veribound_estimate::identify::{
     Bounds, Conclusion, Identified, IdentifyOptions, Progress, identify,
 };
@@ -40,30 +41,55 @@ pub struct Findings {
     pub ending: Ending,
 }
 
+/// What a run works on, all of it checked.
+pub struct Prepared {
+    /// The model, weakened as the flags say.
+    pub model: Model,
+    /// The records.
+    pub data: Data,
+    /// What is assumed beside the model file, in sentences.
+    pub said: Vec<String>,
+}
+
+/// A run that is done.
+pub struct Done {
+    /// The model, weakened as the flags say.
+    pub model: Model,
+    /// The records.
+    pub data: Data,
+    /// What it came to.
+    pub found: Findings,
+    /// `summary.json`.
+    pub json: String,
+}
+
 /// Identifies. Everything that can be wrong with the input is found before anything is written.
 pub fn run(arguments: &Identify) -> Outcome {
     // [1/4] Input: flags, model, records.
     refuse_flags(arguments)?;
     let quiet = arguments.showing.quiet;
-    let mut model = Model::from_file(&arguments.model)?;
-    let mut said = assumptions::weaken(&mut model, &arguments.weakening)?;
-    let data = Data::read(arguments, &model)?;
-    said.extend(reading::assumed(&model, &data.records, &arguments.reading));
-    reading::remarks(&data.records, &said, quiet);
-    let folder = ResultFolder::create(&arguments.output)?;
+    let model = Model::from_file(&arguments.model)?;
+    let sources = arguments.records.iter().map(TableSource::from);
+    let prepared = Prepared::new(arguments, model, sources.collect(), &mut |source| {
+        progress::of_parts(source.bytes(), "of the record checked", quiet)
+    })?;
+    reading::remarks(&prepared.data.records, &prepared.said, quiet);
 
-    // [2/4] The identification.
-    let found = find(&model, &data, &arguments.options(), quiet);
-
-    // [3/4] The files.
-    let summary = told::summary(&model, &data, &found, said.clone());
-    let json = summary.to_json()?;
-    let info = run_info::of_identification(arguments, (&model, &data.records), &said);
-    files::write(
-        (&folder, &arguments.showing.figures),
-        (&model, &data, &found),
-        (&info, &json),
-    )?;
+    // [2/4] and [3/4] The identification and its files.
+    let interrupt = Interrupt::listen();
+    let bar = progress::of_standing(quiet);
+    let done = prepared.carry_out(arguments, true, &|standing| {
+        bar.set_message(in_words(standing));
+        bar.tick();
+        !interrupt.is_asked()
+    });
+    bar.finish_and_clear();
+    let Done {
+        model,
+        data,
+        found,
+        json,
+    } = done?;
 
     // [4/4] What the user is told.
     verdict::explain(&model, &data, &found, !quiet);
@@ -77,8 +103,51 @@ pub fn run(arguments: &Identify) -> Outcome {
     Ok(found.ending)
 }
 
+impl Prepared {
+    /// Checks flags and records; `bar` gives a bar for the check of each.
+    pub fn new(
+        arguments: &Identify,
+        mut model: Model,
+        sources: Vec<TableSource>,
+        bar: &mut dyn FnMut(&TableSource) -> ProgressBar,
+    ) -> Result<Prepared, Diagnostics> {
+        let mut said = assumptions::weaken(&mut model, &arguments.weakening)?;
+        let data = Data::read(sources, &model, &arguments.reading, bar)?;
+        said.extend(reading::assumed(&model, &data.records, &arguments.reading));
+        Ok(Prepared { model, data, said })
+    }
+
+    /// Lets the estimator work, as long as `go_on` says so, and writes the files if they are wanted.
+    pub fn carry_out(
+        self,
+        arguments: &Identify,
+        wants_files: bool,
+        go_on: &(dyn Fn(&Progress) -> bool + Sync),
+    ) -> Result<Done, Diagnostics> {
+        let Prepared { model, data, said } = self;
+        let folder = wants_files.then(|| ResultFolder::create(&arguments.output));
+        let folder = folder.transpose()?;
+        let found = find(&model, &data, &arguments.options(), go_on);
+        let json = told::summary(&model, &data, &found, said.clone()).to_json()?;
+        if let Some(folder) = folder {
+            let info = run_info::of_identification(arguments, (&model, &data.records), &said);
+            files::write(
+                (&folder, &arguments.showing.figures),
+                (&model, &data, &found),
+                (&info, &json),
+            )?;
+        }
+        Ok(Done {
+            model,
+            data,
+            found,
+            json,
+        })
+    }
+}
+
 /// Refuses what no run could do, and results in the place of what the run reads.
-fn refuse_flags(arguments: &Identify) -> Result<(), Diagnostic> {
+pub fn refuse_flags(arguments: &Identify) -> Result<(), Diagnostic> {
     arguments.showing.refuse()?;
     let records = arguments.records.iter();
     let mut files = vec![("the model file", arguments.model.as_path())];
@@ -87,11 +156,21 @@ fn refuse_flags(arguments: &Identify) -> Result<(), Diagnostic> {
 }
 
 impl Data {
-    fn read(arguments: &Identify, model: &Model) -> Result<Data, Diagnostics> {
-        let (reading, quiet) = (&arguments.reading, arguments.showing.quiet);
-        let records = arguments.records.iter();
-        let records: Vec<Record> = records
-            .map(|path| reading::open(path, model, reading, quiet))
+    fn read(
+        sources: Vec<TableSource>,
+        model: &Model,
+        reading: &Reading,
+        bar: &mut dyn FnMut(&TableSource) -> ProgressBar,
+    ) -> Result<Data, Diagnostics> {
+        let sources = sources.into_iter();
+        let records: Vec<Record> = sources
+            .map(|source| {
+                let bar = bar(&source);
+                let mut watch = |bytes| bar.set_position(bytes);
+                let record = reading::open(source, model, reading, &mut watch);
+                bar.finish_and_clear();
+                record
+            })
             .collect::<Result<_, _>>()?;
         let samples = records.iter().map(Record::all_samples);
         Ok(Data {
@@ -142,23 +221,19 @@ fn or_prior(found: &[Bounds], priors: impl Iterator<Item = Interval>) -> Vec<Bou
         .collect()
 }
 
-/// Lets the estimator work, and shows how far it is.
-fn find(model: &Model, data: &Data, options: &IdentifyOptions, quiet: bool) -> Findings {
-    let interrupt = Interrupt::listen();
-    let bar = progress::of_standing(quiet);
-    let go_on = |standing: &Progress| {
-        bar.set_message(in_words(standing));
-        bar.tick();
-        !interrupt.is_asked()
-    };
+/// Lets the estimator work.
+fn find(
+    model: &Model,
+    data: &Data,
+    options: &IdentifyOptions,
+    go_on: &(dyn Fn(&Progress) -> bool + Sync),
+) -> Findings {
     let begin = Instant::now();
-    let identified = identify(model, &data.samples, options, &go_on);
-    let seconds = begin.elapsed().as_secs_f64();
-    bar.finish_and_clear();
+    let identified = identify(model, &data.samples, options, go_on);
     Findings {
         ending: ending(&identified),
         identified,
-        seconds,
+        seconds: begin.elapsed().as_secs_f64(),
     }
 }
 
@@ -172,7 +247,8 @@ fn ending(identified: &Identified) -> Ending {
     }
 }
 
-fn in_words(standing: &Progress) -> String {
+/// Where a run stands, in one line.
+pub fn in_words(standing: &Progress) -> String {
     let left = upper(100.0 * standing.left, 3);
     let bounds = match show_times(standing.tightness) {
         none if none.is_empty() => String::new(),

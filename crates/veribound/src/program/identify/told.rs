@@ -124,12 +124,7 @@ fn shares(model: &Model, found: &Findings) -> [Interval; 2] {
 }
 
 /// Verdict, bounds of parameters and start states from both sides, and what limits them.
-pub fn table(
-    model: &Model,
-    data: &Data,
-    found: &Findings,
-    (folder, figures): (&Path, bool),
-) -> String {
+pub fn bounds(model: &Model, data: &Data, found: &Findings) -> String {
     let mut out = String::new();
     let identified = &found.identified;
     let verdict = match (&identified.conclusion, identified.interrupted) {
@@ -164,9 +159,7 @@ pub fn table(
     if !matches!(identified.conclusion, Conclusion::Inconsistent(_)) {
         push_bounds(&mut out, model, data, found);
     }
-    let paving = if identified.tiles.is_empty() {
-        ""
-    } else {
+    if !identified.tiles.is_empty() {
         let [inside, undecided] = shares(model, found);
         let _ = writeln!(
             out,
@@ -175,6 +168,21 @@ pub fn table(
             lower(100.0 * inside.lo().max(0.0), 3),
             upper(100.0 * undecided.hi(), 3),
         );
+    }
+    out
+}
+
+/// The same, and where the results are.
+pub fn table(
+    model: &Model,
+    data: &Data,
+    found: &Findings,
+    (folder, figures): (&Path, bool),
+) -> String {
+    let mut out = bounds(model, data, found);
+    let paving = if found.identified.tiles.is_empty() {
+        ""
+    } else {
         "paving.csv, "
     };
     let figures = if figures { ", figures in fig/" } else { "" };
