@@ -20,6 +20,17 @@ pub enum Verdict {
     Undecided,
 }
 
+impl Verdict {
+    /// Its name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Consistent => "consistent",
+            Verdict::Inconsistent => "inconsistent",
+            Verdict::Undecided => "undecided",
+        }
+    }
+}
+
 /// The content of `summary.json`.
 ///
 /// *Guarantee*: bounds are decimal numbers rounded outward from what was proved, gaps and shrinks

@@ -4,7 +4,7 @@
 //! and problems told, in one place. It is no interface for others.
 
 pub mod arguments;
-mod assumptions;
+pub mod assumptions;
 pub mod check;
 pub mod enclose;
 pub mod ending;

@@ -61,27 +61,33 @@ pub fn remarks(records: &[Record], said: &[String], quiet: bool) {
             message::remark(&format!("note: {change}"));
         }
     }
-    if quiet {
-        return;
+    if !quiet {
+        let notes = notes(records);
+        notes
+            .iter()
+            .for_each(|note| message::remark(&format!("note: {note}")));
     }
+}
+
+/// What records have that results do not tell: missing values, columns that are not used, likely slips.
+pub fn notes(records: &[Record]) -> Vec<String> {
+    let mut notes = Vec::new();
     for record in records {
         let of = match records {
             [_] => String::new(),
             _ => format!("{}: ", record.path().display()),
         };
         if let Some(hint) = record.hint() {
-            message::remark(&format!("note: {of}{hint}"));
+            notes.push(format!("{of}{hint}"));
         }
         for (name, count) in record.missing() {
             let values = if *count == 1 { "value" } else { "values" };
-            message::remark(&format!("note: {of}{name}: {count} {values} missing"));
+            notes.push(format!("{of}{name}: {count} {values} missing"));
         }
         let ignored = record.ignored_columns();
         if !ignored.is_empty() {
-            message::remark(&format!(
-                "note: {of}columns not used: {}",
-                ignored.join(", ")
-            ));
+            notes.push(format!("{of}columns not used: {}", ignored.join(", ")));
         }
     }
+    notes
 }
