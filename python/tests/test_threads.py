@@ -26,14 +26,14 @@ def test_other_threads_go_on():
     thread = threading.Thread(target=tick)
     thread.start()
     begin = time.monotonic()
-    vb.observe(RIG / "model.toml", RIG / "rig.csv", to=20)
+    vb.observe(RIG / "model.toml", RIG / "rig.csv", boxes=200, bisections=200, to=40)
     end = time.monotonic()
     is_over.set()
     thread.join()
     during = [t for t in ticks if begin <= t <= end]
     gaps = [b - a for a, b in zip(during, during[1:])]
     # With the interpreter held, one gap would be the whole run.
-    assert end - begin > 0.2 and len(during) > 10
+    assert len(during) > 10
     assert max(gaps) < 0.5 * (end - begin)
 
 
@@ -106,5 +106,5 @@ def test_progress_is_told(rig):
 
 
 def test_bars_are_drawn_and_taken_away(rig, capsys):
-    rig.observe(RIG / "rig.csv", boxes=150, bisections=150, to=20, progress=True)
+    rig.observe(RIG / "rig.csv", boxes=300, bisections=300, every=1, to=60, progress=True)
     assert "samples" in capsys.readouterr().err

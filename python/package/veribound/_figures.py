@@ -35,9 +35,12 @@ def _label(name: str, unit: str) -> str:
     return f"{name} [{unit}]" if unit else name
 
 
-def _band(axis: Any, times: np.ndarray, lo: np.ndarray, hi: np.ndarray, color: str, label: str) -> None:
+def _band(
+    axis: Any, times: np.ndarray, lo: np.ndarray, hi: np.ndarray, color: str, label: str, step: Any = None
+) -> None:
     # The edge keeps a band visible that is narrower than a pixel.
-    axis.fill_between(times, lo, hi, facecolor=color, edgecolor=color, linewidth=0.6, alpha=0.55, label=label)
+    look = {"facecolor": color, "edgecolor": color, "linewidth": 0.6, "alpha": 0.55}
+    axis.fill_between(times, lo, hi, step=step, label=label, **look)
 
 
 def observation(result: Any, what: str, figure: Any) -> Any:
@@ -55,12 +58,14 @@ def observation(result: Any, what: str, figure: Any) -> Any:
             lo, hi = measured[f"{name}.lo"], measured[f"{name}.hi"]
             there = ~np.isnan(lo)
             _band(axis, times[there], lo[there], hi[there], _GREY, "measured")
-        _band(axis, times, bands[f"{name}.lo"], bands[f"{name}.hi"], _BLUE, "proved")
+        # A parameter keeps its bounds until the next sample.
+        step = "post" if what == "params" else None
+        _band(axis, times, bands[f"{name}.lo"], bands[f"{name}.hi"], _BLUE, "proved", step)
         if what == "params" and quantity.bounds is not None:
             for end in quantity.bounds:
                 axis.axhline(end, color="black", linewidth=0.8, linestyle=":")
             at = [t for t, names in zip(times, resets) if name in names.split("|")]
-            axis.plot(at, np.full(len(at), 1.0), "|", color=_ORANGE, transform=axis.get_xaxis_transform(), clip_on=False)
+            axis.plot(at, np.full(len(at), 0.97), "|", color=_ORANGE, transform=axis.get_xaxis_transform())
         axis.set_ylabel(_label(name, quantity.unit))
         axis.margins(x=0.01)
     if measured:
@@ -134,8 +139,12 @@ def _paving(result: Any, figure: Any) -> Any:
                 )
                 if is_kind == kind
             ]
-            axis.add_collection(PatchCollection(tiles, facecolor=color, edgecolor="white", linewidth=0.2))
-        axis.autoscale_view()
+            axis.add_collection(PatchCollection(tiles, facecolor=color, edgecolor=color, linewidth=0.3))
+        # What is left, with as much of what is excluded around it.
+        for name, limit in ((x, axis.set_xlim), (y, axis.set_ylim)):
+            left = [at for at, kind in enumerate(status) if kind != "outside"] or range(len(status))
+            lo, hi = min(bands[f"{name}.lo"][at] for at in left), max(bands[f"{name}.hi"][at] for at in left)
+            limit(lo - 0.3 * (hi - lo), hi + 0.3 * (hi - lo))
         units = {param.name: param.unit for param in result.model.params}
         axis.set_xlabel(_label(x, units[x]))
         axis.set_ylabel(_label(y, units[y]))

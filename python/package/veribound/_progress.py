@@ -3,35 +3,43 @@
 from __future__ import annotations
 
 import sys
+import time
+import warnings
 from typing import Any, Callable, Optional
 
-#: Shorter runs show no bar.
+#: Shorter runs show no bar, in seconds.
 _PATIENCE = 0.5
+
+#: Seconds between two changes of a bar.
+_PAUSE = 0.2
 
 
 class _Bar:
     """Calls tqdm with what the Rust side tells."""
 
     def __init__(self) -> None:
-        import time
-
-        from tqdm.auto import tqdm
+        with warnings.catch_warnings():
+            # Without ipywidgets tqdm draws bars of text.
+            warnings.simplefilter("ignore")
+            from tqdm.auto import tqdm
 
         self._tqdm = tqdm
         self._bar: Any = None
         self._what = ""
-        self._clock = time.monotonic
         self._begin = time.monotonic()
+        self._drawn = self._begin
 
     def __call__(self, done: int, whole: int, text: str) -> None:
-        if self._clock() - self._begin < _PATIENCE or not text:
+        now = time.monotonic()
+        if now - self._begin < _PATIENCE or now - self._drawn < _PAUSE or not text:
             return
+        self._drawn = now
         what = text if whole else "sets"
         if self._bar is not None and self._what != what:
             self.close()
         if self._bar is None:
             form = None if whole else "{desc}"
-            self._bar = self._tqdm(total=whole or None, leave=False, bar_format=form, unit="")
+            self._bar = self._tqdm(desc=text, total=whole or None, leave=False, bar_format=form, unit="")
             self._what = what
         self._bar.set_description(text, refresh=not whole)
         if whole:
