@@ -76,8 +76,8 @@ def test_the_tables_hold_what_the_program_prints(tmp_path, by_path):
             assert (abs(printed - proved) <= 1e-11 * abs(proved) + 1e-300).all(), (name, end)
 
 
-def test_summary_and_table_are_the_programs(by_path):
-    done = run("observe", RIG / "model.toml", RIG / "rig.csv", "--to", UNTIL, "-o", "target/python-tests", "--figures", "none")
+def test_summary_and_table_are_the_programs(tmp_path, by_path):
+    done = run("observe", RIG / "model.toml", RIG / "rig.csv", "--to", UNTIL, "-o", tmp_path, "--figures", "none")
     printed = [line for line in done.stdout.splitlines() if line.startswith("  ") and "results in" not in line]
     ours = by_path.table().splitlines()
     assert [line.rstrip() for line in ours[1:]] == [line.rstrip() for line in printed[1:]]

@@ -13,6 +13,17 @@ use veribound_interval::{Decimal, Interval};
 /// is the convex hull of the modes active there. Between jumps, that is: see [`Jump`]. Parameters are constant (or new after a declared
 /// reset); an input is held from one sample to the next and may be any measurable function inside
 /// its declared error bound.
+///
+/// ```
+/// use veribound_model::Model;
+///
+/// let text = "format = 1\nstates = [\"x [m]\"]\ninit.x = [0, 1]\nparams.k = [0.1, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// let model = Model::from_text("decay.toml", text)?;
+/// assert_eq!((model.states[0].name.as_str(), model.states[0].unit.as_str()), ("x", "m"));
+/// assert!(model.params[0].bounds.contains(0.1) && !model.params[0].bounds.contains(2.1));
+/// assert!(model.describe().contains("x' = -k*x"));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Model {
     /// Name from the file, or the file's stem.
@@ -146,6 +157,15 @@ pub struct Param {
 }
 
 /// Whether every point of the domain lies in the guard of some mode.
+///
+/// ```
+/// use veribound_model::{Coverage, Model};
+///
+/// let text = "format = 1\nstates = [\"x [m]\"]\ninit.x = [0, 1]\nparams.k = [0.1, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// let model = Model::from_text("decay.toml", text)?;
+/// assert_eq!(model.coverage, Coverage::Everywhere); // one mode, no guards
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Coverage {
     /// Proved for every value of states, inputs and parameters.
@@ -266,6 +286,17 @@ pub struct Output {
 
 /// A hard bound on the difference between a recorded and the true value:
 /// `|true - recorded| <= absolute + relative * |recorded|`.
+///
+/// ```
+/// use veribound_interval::{Decimal, Interval};
+/// use veribound_model::ErrorBound;
+///
+/// let number = |text| Decimal::parse(text).unwrap();
+/// let error = ErrorBound { absolute: number("0.1"), relative: number("0.01") };
+/// // A tenth, and a hundredth of 20.
+/// let truth = error.enclose(Interval::point(20.0));
+/// assert!(truth.contains(19.71) && truth.contains(20.29) && !truth.contains(20.31));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorBound {
     /// In the unit of the quantity.
@@ -312,6 +343,21 @@ pub struct Reset {
 }
 
 /// What the record says at one instant, in the order of the model's declarations.
+///
+/// ```
+/// use veribound_interval::{Decimal, Interval};
+/// use veribound_model::Sample;
+///
+/// // What a sample of a model with one input, two outputs and a signal says.
+/// let sample = Sample {
+///     time: Decimal::parse("0.01").unwrap(),
+///     inputs: vec![Interval::point(0.25)],
+///     outputs: vec![Interval::new(1.4, 1.6), None], // the second one was not measured
+///     signals: vec![Some(true)],
+///     line: 3,
+/// };
+/// assert_eq!(sample.time.to_string(), "0.01");
+/// ```
 #[derive(Debug, Clone)]
 pub struct Sample {
     /// Time stamp, exactly as spelled.

@@ -176,7 +176,13 @@ fn console_frames_are_what_the_program_tells() {
 #[test]
 fn a_wrong_line_is_found() {
     let told = "  proved to 5 s   101 times in 0.69 s\n  a\n  b\n  c\n";
-    assert!(tells("  proved to 5 s   101 times in 1.2 s\n  a\n  b\n  c\n", told).is_ok());
+    assert!(
+        tells(
+            "  proved to 5 s   101 times in 1.2 s\n  a\n  b\n  c\n",
+            told
+        )
+        .is_ok()
+    );
     assert!(tells("...\n  b\n...\n", told).is_ok());
     assert!(tells("...\n  b\n", told).is_err());
     assert!(tells("  a\n...\n", told).is_err());

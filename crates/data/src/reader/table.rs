@@ -14,6 +14,17 @@ use veribound_model::diagnostic::Diagnostic;
 /// (comments, separators, quotes), but without a meaning of the columns.
 ///
 /// *Cost*: memory does not grow with the number of rows.
+///
+/// ```
+/// use veribound_data::{TableReader, TableSource};
+///
+/// let mut table = TableReader::open(TableSource::text("t.csv", "# made by hand\na; b\n1; \"x; y\"\n"))?;
+/// let b = table.column("b").unwrap();
+/// let row = table.next_row()?.unwrap();
+/// assert_eq!((row.field(b).as_ref(), row.line()), ("x; y", 3));
+/// assert!(table.next_row()?.is_none());
+/// # Ok::<(), veribound_model::diagnostic::Diagnostic>(())
+/// ```
 #[derive(Debug)]
 pub struct TableReader {
     lines: Lines<BufReader<Digesting<Bytes>>>,

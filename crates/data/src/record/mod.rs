@@ -26,6 +26,23 @@ use veribound_model::diagnostic::{Diagnostic, Diagnostics};
 use veribound_model::model::{Model, Sample};
 
 /// How to read a record.
+///
+/// ```
+/// use veribound_data::{Record, RecordOptions, TableSource};
+/// use veribound_interval::Decimal;
+/// # use veribound_model::Model;
+/// # let text = "format = 1\nstates = [\"x [m]\"]\ninit.x = 0\nparams.k = [0, 2]\nder.x = \"k\"\noutputs.y = \"x +- 0.1\"";
+/// # let model = Model::from_text("slide.toml", text)?;
+/// let table = TableSource::text("r.csv", "zeit,weg\n0,0\n1,0.5\n2,1\n3,1.5\n");
+/// let options = RecordOptions {
+///     time: Some("zeit".to_string()),
+///     columns: vec![("y".to_string(), "weg".to_string())],
+///     from: Decimal::parse("1").ok(),
+///     to: Decimal::parse("2.5").ok(),
+/// };
+/// assert_eq!(Record::open(table, &model, options)?.len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct RecordOptions {
     /// Name of the time column; by default the one called `t`, `time`, `timestamp` or `stamp`.
@@ -52,6 +69,24 @@ pub struct RecordOptions {
 ///
 /// *Cost*: the file is read once here and once for every [`Record::samples`]; memory does not
 /// grow with its length.
+///
+/// ```
+/// use veribound_data::{Record, RecordOptions, TableSource};
+/// # use veribound_model::Model;
+/// # let text = "format = 1\nstates = [\"x [m]\"]\ninit.x = 0\nparams.k = [0, 2]\nder.x = \"k\"\noutputs.y = \"x +- 0.1\"";
+/// # let model = Model::from_text("slide.toml", text)?;
+/// let table = TableSource::text("r.csv", "t,y [mm],note\n0,0,begin\n0.1,,\n0.2,250,end\n");
+/// let record = Record::open(table, &model, RecordOptions::default())?;
+/// assert_eq!((record.len(), record.last().to_string()), (3, "0.2".to_string()));
+/// assert_eq!(record.missing(), [("y".to_string(), 1)]);
+/// assert_eq!(record.ignored_columns(), ["note"]);
+///
+/// // A quarter of a metre, to 0.1 m: millimetres are converted, and the error bound is in metres.
+/// let samples = record.all_samples()?;
+/// let y = samples[2].outputs[0].unwrap();
+/// assert!(y.contains(0.16) && y.contains(0.34) && !y.contains(0.36));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Record {
     source: TableSource,
@@ -242,6 +277,20 @@ impl Record {
 /// The samples of a record's window in the order of time.
 ///
 /// An error means that the file was changed after [`Record::open`] checked it; nothing follows it.
+///
+/// ```
+/// use veribound_data::{Record, RecordOptions, TableSource};
+/// # use veribound_model::Model;
+/// # let text = "format = 1\nstates = [\"x [m]\"]\ninit.x = 0\nparams.k = [0, 2]\nder.x = \"k\"\noutputs.y = \"x +- 0.1\"";
+/// # let model = Model::from_text("slide.toml", text)?;
+/// let table = TableSource::text("r.csv", "t,y\n0,0\n1,0.5\n");
+/// let record = Record::open(table, &model, RecordOptions::default())?;
+/// for sample in record.samples()? {
+///     let sample = sample?;
+///     println!("line {}: t = {} s", sample.line, sample.time);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Samples {
     lines: Lines<BufReader<Bytes>>,

@@ -9,6 +9,10 @@ use veribound_model::diagnostic::Diagnostic;
 use veribound_model::model::{Param, State};
 
 /// What a run says about model and record.
+///
+/// ```
+/// assert_eq!(veribound_data::Verdict::Undecided.name(), "undecided");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
