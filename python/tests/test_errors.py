@@ -2,6 +2,7 @@
 
 import pickle
 
+import pandas as pd
 import pytest
 
 import veribound as vb
@@ -112,6 +113,15 @@ def test_a_step_says_what_is_missing(sled):
     assert observer.samples == 1
     with pytest.raises(KeyError):
         observer.step(1, {"F": 0})["speed"]
+
+
+def test_names_are_no_options(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    pd.DataFrame(push(rows=5)).to_csv("--quiet", index=False)
+    model = vb.Model.from_toml(SLED, "-o")
+    assert model.observe("--quiet", output="-x").verdict == "consistent"
+    assert (tmp_path / "-x" / "summary.json").is_file()
+    assert vb.Observer(model).step(0, F=0).verdict == "consistent"
 
 
 def test_nothing_else_is_made_of_a_model():

@@ -153,7 +153,7 @@ class Observer:
             "halvings": halvings,
             "longest_step": longest_step,
         }
-        words = ["observe", self.model._model.source, "stream", "-o", "nowhere", *_words.words(options)]
+        words = ["observe", _runs._name(self.model), "stream", "-o", "nowhere", *_words.words(options)]
         self._stepper = _veribound.Stepper(self.model._model, words, exact)
 
     @property

@@ -26,6 +26,10 @@ def _model(model: Any) -> Any:
     return model
 
 
+def _name(model: Any) -> str:
+    return _words.place(model._model.source)
+
+
 def _ended(done: Any, result: Any) -> Any:
     """The result; raised with the exception where the user wanted an end."""
     if done.asked_to_end:
@@ -43,7 +47,7 @@ def _show(progress: Any, run: "Callable[[Any], Any]") -> Any:
 
 def _output(output: Any) -> "tuple[list[str], bool]":
     # The program writes a folder always; without one nothing is written.
-    return ["-o", os.fspath(output or "nowhere")], output is not None
+    return ["-o", _words.place(os.fspath(output or "nowhere"))], output is not None
 
 
 def observe(
@@ -137,7 +141,7 @@ def observe(
         "overlay": overlay,
     }
     folder, wants_files = _output(output)
-    words = ["observe", model._model.source, source.name, *folder, *_words.words(options)]
+    words = ["observe", _name(model), _words.place(source.name), *folder, *_words.words(options)]
     done = _show(progress, lambda bar: _veribound.observe(model._model, source, words, wants_files, bar))
     return _ended(done, Observation(done, model, _frames.choose(frames, record), output))
 
@@ -201,8 +205,8 @@ def identify(
         "figures": figures,
     }
     folder, wants_files = _output(output)
-    names = [source.name for source in sources]
-    words = ["identify", model._model.source, *names, *folder, *_words.words(options)]
+    names = [_words.place(source.name) for source in sources]
+    words = ["identify", _name(model), *names, *folder, *_words.words(options)]
     done = _show(progress, lambda bar: _veribound.identify(model._model, sources, words, wants_files, bar))
     return _ended(done, Identification(done, model, _frames.choose(frames, given[0]), output))
 
@@ -252,7 +256,7 @@ def enclose(
         "figures": figures,
     }
     folder, wants_files = _output(output)
-    words = ["enclose", model._model.source, *folder, *_words.words(options)]
+    words = ["enclose", _name(model), *folder, *_words.words(options)]
     done = _show(progress, lambda bar: _veribound.enclose(model._model, source, words, wants_files, bar))
     return _ended(done, Enclosure(done, model, _frames.choose(frames, inputs), output))
 
@@ -307,7 +311,7 @@ def simulate(
         "decimals": decimals,
         "steps": steps,
     }
-    words = ["simulate", model._model.source, "-o", "record.csv", *_words.words(options)]
+    words = ["simulate", _name(model), "-o", "record.csv", *_words.words(options)]
     done = _show(progress, lambda bar: _veribound.simulate(model._model, source, words, bar))
     if done.interrupted:
         raise Interrupted(None)

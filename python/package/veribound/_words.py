@@ -20,6 +20,11 @@ def _text(value: Any) -> str:
     return number(value)
 
 
+def place(name: str) -> str:
+    """A path or name that cannot be taken for an option."""
+    return f"./{name}" if name.startswith("-") else name
+
+
 def words(options: "Mapping[str, Any]") -> "list[str]":
     """The words of these options; those that are None or False are left out."""
     given = []
