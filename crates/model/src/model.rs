@@ -111,6 +111,34 @@ impl Model {
 }
 
 /// A state of the system.
+///
+/// ```
+/// use veribound_model::Model;
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// let v = &model.states[1];
+/// assert_eq!((v.name.as_str(), v.unit.as_str()), ("v", "m/s"));
+/// assert!(v.init.contains(-1.0) && v.domain.is_none());
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct State {
     /// The user's name.
@@ -124,6 +152,34 @@ pub struct State {
 }
 
 /// An input, known at the samples up to its error bound and held between them, or a disturbance.
+///
+/// ```
+/// use veribound_model::Model;
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// let force = &model.inputs[0];
+/// assert_eq!((force.name.as_str(), force.unit.as_str()), ("F", "m/s^2"));
+/// assert!(force.error.absolute.is_zero() && force.within.is_none()); // exact, and a column of the record
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Input {
     /// The user's name.
@@ -144,6 +200,33 @@ pub struct Input {
 }
 
 /// An unknown parameter.
+///
+/// ```
+/// use veribound_model::Model;
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// let level = &model.params[0];
+/// assert!(level.bounds.contains(0.0) && level.bounds.contains(3.0) && level.nominal.is_none());
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Param {
     /// The user's name.
@@ -183,6 +266,34 @@ pub enum Coverage {
 }
 
 /// A mode: where it is active, and the right-hand side there.
+///
+/// ```
+/// use veribound_model::Model;
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// // `friction` stands for three modes: forward, stick, backward.
+/// assert_eq!(model.modes.len(), 3);
+/// assert!(model.describe().contains(model.modes[1].name.as_str()));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Mode {
     /// The user's name, or one made from the set-valued functions it comes from.
@@ -222,6 +333,34 @@ pub struct Jump {
 }
 
 /// A condition on states, inputs and parameters.
+///
+/// ```
+/// use veribound_model::{Guard, Model, Relation};
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// // Backward motion: v < 0, or v = 0 with the force beyond the friction.
+/// let Guard::Any(ways) = &model.modes[2].guard else { panic!("two ways") };
+/// assert!(matches!(ways[0], Guard::Atom { relation: Relation::Less, .. }));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Guard {
     /// True everywhere.
@@ -270,6 +409,33 @@ pub struct Term {
 }
 
 /// A measured output.
+///
+/// ```
+/// use veribound_model::Model;
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// let y = &model.outputs[0];
+/// assert_eq!((y.name.as_str(), y.error.absolute.to_string()), ("y", "0.1".to_string()));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Output {
     /// The user's name.
@@ -315,6 +481,33 @@ impl ErrorBound {
 }
 
 /// A binary column of the record, and what it means.
+///
+/// ```
+/// use veribound_model::Model;
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// let still = &model.signals[0];
+/// assert_eq!((still.proves_zero.len(), still.latency.to_string()), (1, "0.02".to_string()));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Signal {
     /// The user's name.
@@ -332,6 +525,33 @@ pub struct Signal {
 
 /// At every sample at which the signal has been true for at least `lasts`, the parameter may have
 /// taken a new value inside its prior.
+///
+/// ```
+/// use veribound_model::Model;
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// let stop = &model.signals[0].resets[0];
+/// assert_eq!((stop.event.as_str(), stop.param, stop.lasts.to_string()), ("stop", 0, "0.5".to_string()));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Reset {
     /// Name of the event in the file.

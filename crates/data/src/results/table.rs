@@ -9,6 +9,17 @@ use veribound_model::diagnostic::Diagnostic;
 use veribound_model::model::Model;
 
 /// A column of a table.
+///
+/// ```
+/// use veribound_data::Column;
+/// use veribound_model::Model;
+///
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = 0\nder.x = 1\noutputs.y = \"x +- 0.1\"";
+/// let columns = Column::of_states(&Model::from_text("clock.toml", text)?);
+/// assert_eq!(columns[0], Column::Bounds("x".to_string()));
+/// assert_eq!(columns[2], Column::plain("boxes"));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Column {
     /// Bounds of a variable: the two columns `name.lo` and `name.hi`.
