@@ -50,7 +50,12 @@ pub fn sha256_of_file(path: impl AsRef<Path>) -> Result<String, Diagnostic> {
 
 /// SHA-256 of a text, in hexadecimal digits.
 pub(crate) fn sha256_of_text(text: &str) -> String {
-    hexadecimal(&Sha256::digest(text.as_bytes()))
+    sha256_of_bytes(text.as_bytes())
+}
+
+/// SHA-256 of bytes, in hexadecimal digits.
+pub fn sha256_of_bytes(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {

@@ -2,7 +2,8 @@
 //!
 //! - [`Record`]: a CSV file, checked as a whole, then read one [`Sample`](veribound_model::Sample) at
 //!   a time; every number means the decimal it spells.
-//! - [`TableReader`]: any table of text, row by row, by the same rules.
+//! - [`TableReader`]: any table of text, row by row, by the same rules; [`TableSource`]: where a table
+//!   comes from.
 //! - [`ResultFolder`]: where the files of a run go; the results are those of one run, all or none.
 //! - [`TableWriter`]: `states.csv`, `params.csv`, `boxes.csv`; `tube.csv`, `parts.csv` of an enclosure;
 //!   `points.csv`, `paving.csv` of an identification.
@@ -20,7 +21,8 @@ mod reader;
 mod record;
 mod results;
 
-pub use digest::sha256_of_file;
+pub use digest::{sha256_of_bytes, sha256_of_file};
+pub use reader::source::TableSource;
 pub use reader::table::{TableReader, TableRow};
 pub use record::{Record, RecordOptions, Samples};
 pub use results::enclosed::{

@@ -5,6 +5,26 @@ use veribound_flow::ModeSet;
 use veribound_interval::Interval;
 
 /// A box of states and parameters.
+///
+/// ```
+/// use veribound_estimate::{Observer, ObserverOptions};
+/// # use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::{Model, Sample};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = Model::from_text("decay.toml", text)?;
+/// # let sample = |time: &str, y: f64| Sample {
+/// #     time: Decimal::parse(time).unwrap(),
+/// #     inputs: vec![],
+/// #     outputs: vec![Some(model.outputs[0].error.enclose(Interval::point(y)))],
+/// #     signals: vec![],
+/// #     line: 1,
+/// # };
+/// let observer = Observer::new(&model, ObserverOptions::default());
+/// let [cell] = observer.cells() else { panic!("one box before the first sample") };
+/// assert_eq!(cell.z, [model.states[0].init, model.params[0].bounds]);
+/// assert!(cell.is_subset_of(cell));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cell {
     /// States first, then parameters.

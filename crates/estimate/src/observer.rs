@@ -37,6 +37,32 @@ const RESCUES: u32 = 4;
 /// Cost: memory does not grow with the record. Bisection ends at `L + M` boxes, merging at `L` or
 /// at one box per set of active modes, if there are more of these, but at `4 L` always; the time per
 /// sample is bounded by the number of boxes.
+///
+/// ```
+/// use veribound_estimate::{Observer, ObserverOptions, Verdict};
+/// # use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::{Model, Sample};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = Model::from_text("decay.toml", text)?;
+/// # let sample = |time: &str, y: f64| Sample {
+/// #     time: Decimal::parse(time).unwrap(),
+/// #     inputs: vec![],
+/// #     outputs: vec![Some(model.outputs[0].error.enclose(Interval::point(y)))],
+/// #     signals: vec![],
+/// #     line: 1,
+/// # };
+/// // x' = -k x from 1, with a true k of 1, read to 0.01.
+/// let mut observer = Observer::new(&model, ObserverOptions { every: 1, ..Default::default() });
+/// for (time, read) in [("0", 1.0), ("0.5", 0.6065), ("1", 0.3679)] {
+///     match observer.step(&sample(time, read))? {
+///         Verdict::Consistent(estimate) => assert!(estimate.params[0].contains(1.0)),
+///         other => panic!("{other:?}"),
+///     }
+/// }
+/// let left: f64 = observer.cells().iter().map(|cell| cell.z[1].width()).fold(0.0, f64::max);
+/// assert!(left < 0.2, "of a prior of 2");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Observer {
     options: ObserverOptions,
     system: System,
@@ -60,6 +86,25 @@ pub struct Observer {
 }
 
 /// Misuse of an observer.
+///
+/// ```
+/// use veribound_estimate::{Misuse, Observer, ObserverOptions};
+/// # use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::{Model, Sample};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = Model::from_text("decay.toml", text)?;
+/// # let sample = |time: &str, y: f64| Sample {
+/// #     time: Decimal::parse(time).unwrap(),
+/// #     inputs: vec![],
+/// #     outputs: vec![Some(model.outputs[0].error.enclose(Interval::point(y)))],
+/// #     signals: vec![],
+/// #     line: 1,
+/// # };
+/// let mut observer = Observer::new(&model, ObserverOptions::default());
+/// observer.step(&sample("1", 1.0))?;
+/// assert_eq!(observer.step(&sample("1", 1.0)).unwrap_err(), Misuse::Time);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Misuse {
     /// The sample's lists do not have the lengths of the model's.

@@ -5,6 +5,13 @@ use veribound_flow::StepOptions;
 /// How the parameter to split is chosen where no guard is ambiguous (talk, step 2). The slide
 /// compares the terms of a velocity, `[α][x2]` and `[β]([u] - [T])`; its relation is not legible,
 /// so both probable readings can be chosen.
+///
+/// ```
+/// use veribound_estimate::{ObserverOptions, ParameterRule};
+///
+/// let talk = ObserverOptions { parameter_rule: ParameterRule::WidestTerm, ..Default::default() };
+/// assert_ne!(talk, ObserverOptions::default());
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ParameterRule {
     /// Split the parameter of the term that is widest: `β` if `[β]([u] - [T])` is wider, else `α`.
@@ -19,6 +26,14 @@ pub enum ParameterRule {
 
 /// Settings of the observer over a list of boxes. None of them changes what is proved; they change
 /// how tight the bounds are and what they cost.
+///
+/// ```
+/// use veribound_estimate::{ObserverOptions, ParameterRule};
+///
+/// let quick = ObserverOptions { boxes: 8, bisections: 4, ..ObserverOptions::default() };
+/// assert_eq!(quick.parameter_rule, ParameterRule::WidestInfluence);
+/// assert_eq!(quick.windows, [4, 16, 64]);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObserverOptions {
     /// Number of boxes `L` that merging reduces the list to.

@@ -5,6 +5,26 @@ use veribound_interval::round::sub_down;
 use veribound_interval::{Decimal, Interval};
 
 /// The state of knowledge after a sample.
+///
+/// ```
+/// use veribound_estimate::{Observer, ObserverOptions, Verdict};
+/// # use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::{Model, Sample};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = Model::from_text("decay.toml", text)?;
+/// # let sample = |time: &str, y: f64| Sample {
+/// #     time: Decimal::parse(time).unwrap(),
+/// #     inputs: vec![],
+/// #     outputs: vec![Some(model.outputs[0].error.enclose(Interval::point(y)))],
+/// #     signals: vec![],
+/// #     line: 1,
+/// # };
+/// let mut observer = Observer::new(&model, ObserverOptions::default());
+/// assert!(matches!(observer.step(&sample("0", 1.0))?, Verdict::Consistent(_)));
+/// // No k of [0, 2] makes x grow.
+/// assert!(matches!(observer.step(&sample("1", 1.5))?, Verdict::Inconsistent(_)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub enum Verdict {
     /// Some boxes are left; whether they contain a solution is not proved.
@@ -17,6 +37,29 @@ pub enum Verdict {
 }
 
 /// Bounds after one sample. Every solution that agrees with the record so far lies in them.
+///
+/// ```
+/// use veribound_estimate::{Observer, ObserverOptions, Verdict};
+/// # use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::{Model, Sample};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = Model::from_text("decay.toml", text)?;
+/// # let sample = |time: &str, y: f64| Sample {
+/// #     time: Decimal::parse(time).unwrap(),
+/// #     inputs: vec![],
+/// #     outputs: vec![Some(model.outputs[0].error.enclose(Interval::point(y)))],
+/// #     signals: vec![],
+/// #     line: 1,
+/// # };
+/// let mut observer = Observer::new(&model, ObserverOptions::default());
+/// observer.step(&sample("0", 1.0))?;
+/// let Verdict::Consistent(estimate) = observer.step(&sample("0.5", 0.6065))? else { panic!() };
+/// // The true value of x, and what the sample says of it.
+/// assert!(estimate.states[0].contains((-0.5_f64).exp()));
+/// assert!(estimate.outputs[0].is_subset_of(Interval::new(0.5964, 0.6166).unwrap()));
+/// assert_eq!((estimate.resets, estimate.boxes), (vec![false], 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
     /// One interval per state.
@@ -36,6 +79,15 @@ pub struct Estimate {
 }
 
 /// What removed the last boxes.
+///
+/// ```
+/// use veribound_estimate::Contradiction;
+/// use veribound_interval::Interval;
+///
+/// let enclosure = Interval::new(0.1, 1.0).unwrap();
+/// let stays = Contradiction::Signal { signal: 0, enclosure };
+/// assert!(matches!(stays, Contradiction::Signal { enclosure, .. } if enclosure.mig() > 0.0));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Contradiction {
     /// The output cannot have the measured value.
@@ -84,6 +136,28 @@ impl Contradiction {
 }
 
 /// A proof that model and record contradict each other.
+///
+/// ```
+/// use veribound_estimate::{Contradiction, Observer, ObserverOptions, Verdict};
+/// # use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::{Model, Sample};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = Model::from_text("decay.toml", text)?;
+/// # let sample = |time: &str, y: f64| Sample {
+/// #     time: Decimal::parse(time).unwrap(),
+/// #     inputs: vec![],
+/// #     outputs: vec![Some(model.outputs[0].error.enclose(Interval::point(y)))],
+/// #     signals: vec![],
+/// #     line: 1,
+/// # };
+/// let mut observer = Observer::new(&model, ObserverOptions::default());
+/// observer.step(&sample("0", 1.0))?;
+/// let Verdict::Inconsistent(refutation) = observer.step(&sample("1", 1.5))? else { panic!() };
+/// assert_eq!((refutation.sample, refutation.time.to_string()), (1, "1".to_string()));
+/// let Contradiction::Output { output: 0, enclosure, measured, gap } = refutation.contradiction else { panic!() };
+/// assert!(enclosure.hi() < measured.lo() && gap > 0.48);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refutation {
     /// Position of the sample in the record, from 0.
@@ -97,6 +171,23 @@ pub struct Refutation {
 }
 
 /// Why nothing was proved about a sample.
+///
+/// ```
+/// use veribound_estimate::{Observer, ObserverOptions, Verdict};
+/// # use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::{Model, Sample};
+/// // x' = k x^2 from 1 is infinite at 1/k.
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [1, 2]\nder.x = \"k*x^2\"\noutputs.y = \"x +- 9\"";
+/// let model = Model::from_text("explosion.toml", text)?;
+/// # let sample = |time: &str| Sample {
+/// #     time: Decimal::parse(time).unwrap(), inputs: vec![], outputs: vec![None], signals: vec![], line: 1,
+/// # };
+/// let mut observer = Observer::new(&model, ObserverOptions::default());
+/// observer.step(&sample("0"))?;
+/// let Verdict::Undecided(why) = observer.step(&sample("2"))? else { panic!() };
+/// assert_eq!(why.cell, [model.states[0].init, model.params[0].bounds]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Undecided {
     /// Position of the sample in the record, from 0.

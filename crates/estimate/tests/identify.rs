@@ -11,8 +11,10 @@
 mod common;
 
 use common::{Rng, read};
+use std::sync::Mutex;
 use veribound_estimate::identify::{
-    Conclusion, Identified, IdentifyOptions, Reason, Status, Tile, identify, least_error,
+    Checkpoints, Conclusion, Identified, IdentifyOptions, Limit, Reason, Status, Tile, Unreadable,
+    identify, least_error, resume,
 };
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{Model, Sample};
@@ -583,4 +585,59 @@ fn the_least_error_of_a_decay() {
             "{found:?} {reached}"
         );
     }
+}
+
+/// A run that was ended by force goes on to the same result, from wherever it was saved, in the search and in the
+/// paving; what is no such thing is refused.
+#[test]
+fn what_was_saved_goes_on_to_the_same_result() {
+    let model = read("two exponentials", TWO_EXPONENTIALS);
+    let options = IdentifyOptions {
+        undecided: Some(0.1),
+        sets: 40,
+        tightness: 1.000_1,
+        ..IdentifyOptions::default()
+    };
+    let records = [two_exponentials()];
+    let kept = Mutex::new(Vec::new());
+    let save = |bytes: &dyn Fn() -> Vec<u8>| kept.lock().unwrap().push(bytes());
+    let begin = Checkpoints {
+        from: None,
+        save: &save,
+    };
+    let whole = resume(&model, &records, &options, &begin, &|_| true).unwrap();
+    let kept = kept.into_inner().unwrap();
+    assert!(kept.len() > 8, "{}", kept.len());
+    let from = |bytes: &[u8], records: &[Vec<Sample>]| {
+        let checkpoints = Checkpoints {
+            from: Some(bytes),
+            save: &|_| (),
+        };
+        resume(&model, records, &options, &checkpoints, &|_| true)
+    };
+    for bytes in kept.iter().step_by(3).chain(kept.last()) {
+        let found = from(bytes, &records).unwrap();
+        assert_eq!(found, whole);
+    }
+    for bytes in &kept {
+        assert_eq!(from(&bytes[..bytes.len() / 2], &records), Err(Unreadable));
+    }
+    let two = [two_exponentials(), two_exponentials()];
+    assert_eq!(from(&kept[0], &two), Err(Unreadable));
+}
+
+/// Where no more may be kept, what is proved stays proved, and says what limits it.
+#[test]
+fn memory_is_bounded() {
+    let model = read("two exponentials", TWO_EXPONENTIALS);
+    let options = IdentifyOptions {
+        undecided: Some(0.01),
+        memory: 3000,
+        tightness: 1.000_001,
+        ..IdentifyOptions::default()
+    };
+    let found = run(&model, &[two_exponentials()], &options);
+    assert!(found.limits.contains(&Limit::Memory), "{:?}", found.limits);
+    covers(&found.tiles, &[interval(0.0, 1.0), interval(0.0, 1.0)]);
+    assert!(found.tiles.len() < 60, "{}", found.tiles.len());
 }

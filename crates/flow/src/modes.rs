@@ -4,6 +4,16 @@ use std::ops::Range;
 use veribound_interval::lanes::{LANES, Mask};
 
 /// A set of modes of one model, by their position in [`veribound_model::Model::modes`].
+///
+/// ```
+/// use veribound_flow::ModeSet;
+///
+/// let mut modes = ModeSet::EMPTY;
+/// modes.insert(2);
+/// modes.insert(200);
+/// assert!(modes.contains(2) && !modes.contains(3));
+/// assert_eq!(modes.iter().collect::<Vec<_>>(), [2, 200]);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct ModeSet([u64; 4]);
 

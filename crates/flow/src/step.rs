@@ -16,6 +16,13 @@ use veribound_interval::lanes::{Interval8, LANES, Mask};
 const MOST_PARTS: f64 = 1024.0;
 
 /// Settings of the box method.
+///
+/// ```
+/// use veribound_flow::StepOptions;
+///
+/// let options = StepOptions { order: 4, ..StepOptions::default() };
+/// assert_eq!(options.longest, 0.05);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StepOptions {
     /// Order of the Taylor series where one smooth right-hand side is certain; 1 to 12.
@@ -38,6 +45,21 @@ impl Default for StepOptions {
 }
 
 /// Why a step could not be proved. It says nothing about the existence of solutions.
+///
+/// ```
+/// use veribound_flow::{StepOptions, System, Workspace};
+/// # use veribound_interval::Interval;
+/// // x' = x^2 from 1 is infinite after a second.
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nder.x = \"x^2\"\noutputs.y = \"x +- 0.01\"";
+/// let model = veribound_model::Model::from_text("explosion.toml", text)?;
+/// let system = System::new(&model);
+/// let mut workspace = Workspace::new(&system, StepOptions::default());
+/// let mut x = [Interval::ONE];
+/// let failed = system.step(&mut x, &[], &[], Interval::point(2.0), &mut workspace);
+/// // No claim is made, and nothing is changed.
+/// assert!(failed.is_err() && x[0] == Interval::ONE);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum StepFailure {
     /// No a-priori box was found, even on the shortest step allowed.
@@ -57,6 +79,20 @@ pub enum StepFailure {
 }
 
 /// What is proved about one step besides the box at its end and the tube.
+///
+/// ```
+/// use veribound_flow::{StepOptions, System, Workspace};
+/// # use veribound_interval::{Decimal, Interval};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0.5, 1]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = veribound_model::Model::from_text("decay.toml", text)?;
+/// let system = System::new(&model);
+/// let mut workspace = Workspace::new(&system, StepOptions::default());
+/// let mut x = [model.states[0].init];
+/// let dt = Decimal::parse("0.1").unwrap().to_interval();
+/// let report = system.step(&mut x, &[model.params[0].bounds], &[], dt, &mut workspace);
+/// assert!(report.expect("a proof").modes_during.contains(0));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StepReport {
     /// Modes whose guard, as written, holds somewhere on the tube: no other was active during the
@@ -65,6 +101,21 @@ pub struct StepReport {
 }
 
 /// Scratch for one thread.
+///
+/// ```
+/// use veribound_flow::{StepOptions, System, Workspace};
+/// # use veribound_interval::{Decimal, Interval};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0.5, 1]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = veribound_model::Model::from_text("decay.toml", text)?;
+/// let system = System::new(&model);
+/// let mut workspace = Workspace::new(&system, StepOptions::default());
+/// let mut x = [model.states[0].init];
+/// let dt = Decimal::parse("0.1").unwrap().to_interval();
+/// system.step(&mut x, &[model.params[0].bounds], &[], dt, &mut workspace).expect("a proof");
+/// // At all times between, not at the end alone.
+/// assert!(workspace.tube()[0].contains(1.0) && workspace.tube()[0].contains((-0.07_f64).exp()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Workspace {
     options: StepOptions,

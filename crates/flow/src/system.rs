@@ -37,6 +37,22 @@ pub(crate) struct RightHandSide {
 ///
 /// Immutable and shared between threads; what a thread writes is in its
 /// [`Workspace`](crate::Workspace).
+///
+/// ```
+/// use veribound_flow::{StepOptions, System, Workspace};
+/// # use veribound_interval::{Decimal, Interval};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0.5, 1]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = veribound_model::Model::from_text("decay.toml", text)?;
+/// let system = System::new(&model);
+/// let mut workspace = Workspace::new(&system, StepOptions::default());
+/// let mut x = [model.states[0].init];
+/// let dt = Decimal::parse("0.1").unwrap().to_interval();
+/// system.step(&mut x, &[model.params[0].bounds], &[], dt, &mut workspace).expect("a proof");
+/// // Both ends of the prior, after a tenth of a second.
+/// assert!(x[0].contains((-0.05_f64).exp()) && x[0].contains((-0.1_f64).exp()));
+/// assert!(x[0].width() < 0.051);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct System {
     pub(crate) layout: Layout,

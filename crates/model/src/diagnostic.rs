@@ -6,6 +6,13 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// A text a user wrote, with the name under which to show it.
+///
+/// ```
+/// use veribound_model::SourceText;
+///
+/// let line = SourceText::excerpt("rig.csv", "0.02,0,0.0941,1", 5);
+/// assert_eq!((line.first_line, SourceText::new("m.toml", "format = 1").first_line), (5, 1));
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SourceText {
     /// Path as the user gave it.
@@ -37,6 +44,18 @@ impl SourceText {
 }
 
 /// One problem in what a user wrote.
+///
+/// ```
+/// use std::sync::Arc;
+/// use veribound_model::{Diagnostic, Diagnostics, SourceText};
+///
+/// let source = Arc::new(SourceText::new("valve.txt", "open = 120\n"));
+/// let problem = Diagnostic::new("E0000", "a valve cannot be open by more than 100 %")
+///     .at(&source, 7..10, "this much")
+///     .help("write a share of at most 100");
+/// let told = Diagnostics::from(problem).render(false);
+/// assert!(told.contains("valve.txt:1:8") && told.contains("^^^ this much"));
+/// ```
 #[derive(Debug, Clone)]
 pub struct Diagnostic {
     /// Stable code, for instance `E0103`.
@@ -83,6 +102,15 @@ impl Diagnostic {
 }
 
 /// All problems found in one text, in the order of the text; never empty when returned as an error.
+///
+/// ```
+/// use veribound_model::Model;
+///
+/// let problems = Model::from_text("m.toml", "format = 1\nstates = [\"x\"]\ninit.x = 0\nder.x = \"y\"").unwrap_err();
+/// let told = problems.render(false);
+/// assert!(told.contains("error[E0201]: `y` is not declared"));
+/// assert!(told.contains("--> m.toml:4:"));
+/// ```
 #[derive(Debug, Clone)]
 pub struct Diagnostics(pub Vec<Diagnostic>);
 
@@ -247,13 +275,21 @@ impl From<Diagnostic> for Diagnostics {
 impl fmt::Display for Diagnostics {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for diagnostic in &self.0 {
-            writeln!(f, "error[{}]: {}", diagnostic.code, diagnostic.message)?;
+            writeln!(f, "{diagnostic}")?;
         }
         Ok(())
     }
 }
 
 impl std::error::Error for Diagnostics {}
+
+impl fmt::Display for Diagnostic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "error[{}]: {}", self.code, self.message)
+    }
+}
+
+impl std::error::Error for Diagnostic {}
 
 #[cfg(test)]
 mod tests {

@@ -13,6 +13,17 @@ use veribound_interval::{Decimal, Interval};
 /// is the convex hull of the modes active there. Between jumps, that is: see [`Jump`]. Parameters are constant (or new after a declared
 /// reset); an input is held from one sample to the next and may be any measurable function inside
 /// its declared error bound.
+///
+/// ```
+/// use veribound_model::Model;
+///
+/// let text = "format = 1\nstates = [\"x [m]\"]\ninit.x = [0, 1]\nparams.k = [0.1, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// let model = Model::from_text("decay.toml", text)?;
+/// assert_eq!((model.states[0].name.as_str(), model.states[0].unit.as_str()), ("x", "m"));
+/// assert!(model.params[0].bounds.contains(0.1) && !model.params[0].bounds.contains(2.1));
+/// assert!(model.describe().contains("x' = -k*x"));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Model {
     /// Name from the file, or the file's stem.
@@ -100,6 +111,34 @@ impl Model {
 }
 
 /// A state of the system.
+///
+/// ```
+/// use veribound_model::Model;
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// let v = &model.states[1];
+/// assert_eq!((v.name.as_str(), v.unit.as_str()), ("v", "m/s"));
+/// assert!(v.init.contains(-1.0) && v.domain.is_none());
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct State {
     /// The user's name.
@@ -113,6 +152,34 @@ pub struct State {
 }
 
 /// An input, known at the samples up to its error bound and held between them, or a disturbance.
+///
+/// ```
+/// use veribound_model::Model;
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// let force = &model.inputs[0];
+/// assert_eq!((force.name.as_str(), force.unit.as_str()), ("F", "m/s^2"));
+/// assert!(force.error.absolute.is_zero() && force.within.is_none()); // exact, and a column of the record
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Input {
     /// The user's name.
@@ -133,6 +200,33 @@ pub struct Input {
 }
 
 /// An unknown parameter.
+///
+/// ```
+/// use veribound_model::Model;
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// let level = &model.params[0];
+/// assert!(level.bounds.contains(0.0) && level.bounds.contains(3.0) && level.nominal.is_none());
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Param {
     /// The user's name.
@@ -146,6 +240,15 @@ pub struct Param {
 }
 
 /// Whether every point of the domain lies in the guard of some mode.
+///
+/// ```
+/// use veribound_model::{Coverage, Model};
+///
+/// let text = "format = 1\nstates = [\"x [m]\"]\ninit.x = [0, 1]\nparams.k = [0.1, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// let model = Model::from_text("decay.toml", text)?;
+/// assert_eq!(model.coverage, Coverage::Everywhere); // one mode, no guards
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Coverage {
     /// Proved for every value of states, inputs and parameters.
@@ -163,6 +266,34 @@ pub enum Coverage {
 }
 
 /// A mode: where it is active, and the right-hand side there.
+///
+/// ```
+/// use veribound_model::Model;
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// // `friction` stands for three modes: forward, stick, backward.
+/// assert_eq!(model.modes.len(), 3);
+/// assert!(model.describe().contains(model.modes[1].name.as_str()));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Mode {
     /// The user's name, or one made from the set-valued functions it comes from.
@@ -202,6 +333,34 @@ pub struct Jump {
 }
 
 /// A condition on states, inputs and parameters.
+///
+/// ```
+/// use veribound_model::{Guard, Model, Relation};
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// // Backward motion: v < 0, or v = 0 with the force beyond the friction.
+/// let Guard::Any(ways) = &model.modes[2].guard else { panic!("two ways") };
+/// assert!(matches!(ways[0], Guard::Atom { relation: Relation::Less, .. }));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Guard {
     /// True everywhere.
@@ -250,6 +409,33 @@ pub struct Term {
 }
 
 /// A measured output.
+///
+/// ```
+/// use veribound_model::Model;
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// let y = &model.outputs[0];
+/// assert_eq!((y.name.as_str(), y.error.absolute.to_string()), ("y", "0.1".to_string()));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Output {
     /// The user's name.
@@ -266,6 +452,17 @@ pub struct Output {
 
 /// A hard bound on the difference between a recorded and the true value:
 /// `|true - recorded| <= absolute + relative * |recorded|`.
+///
+/// ```
+/// use veribound_interval::{Decimal, Interval};
+/// use veribound_model::ErrorBound;
+///
+/// let number = |text| Decimal::parse(text).unwrap();
+/// let error = ErrorBound { absolute: number("0.1"), relative: number("0.01") };
+/// // A tenth, and a hundredth of 20.
+/// let truth = error.enclose(Interval::point(20.0));
+/// assert!(truth.contains(19.71) && truth.contains(20.29) && !truth.contains(20.31));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ErrorBound {
     /// In the unit of the quantity.
@@ -284,6 +481,33 @@ impl ErrorBound {
 }
 
 /// A binary column of the record, and what it means.
+///
+/// ```
+/// use veribound_model::Model;
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// let still = &model.signals[0];
+/// assert_eq!((still.proves_zero.len(), still.latency.to_string()), (1, "0.02".to_string()));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Signal {
     /// The user's name.
@@ -301,6 +525,33 @@ pub struct Signal {
 
 /// At every sample at which the signal has been true for at least `lasts`, the parameter may have
 /// taken a new value inside its prior.
+///
+/// ```
+/// use veribound_model::Model;
+/// # let text = r#"
+/// #     format = 1
+/// #     states = ["x [m]", "v [m/s]"]
+/// #     init   = { x = 0, v = [-1, 1] }
+/// #     inputs = ["F [m/s^2]"]
+/// #     [params]
+/// #     T = [0, 3]
+/// #     [der]
+/// #     x = "v"
+/// #     v = "F - friction(v, F, T)"
+/// #     [outputs]
+/// #     y = "x +- 0.1"
+/// #     [signals]
+/// #     still = { proves = "v == 0", latency = 0.02 }
+/// #     [events.stop]
+/// #     when = "still"
+/// #     lasts = 0.5
+/// #     action = "reset T"
+/// # "#;
+/// # let model = Model::from_text("sled.toml", text)?;
+/// let stop = &model.signals[0].resets[0];
+/// assert_eq!((stop.event.as_str(), stop.param, stop.lasts.to_string()), ("stop", 0, "0.5".to_string()));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Reset {
     /// Name of the event in the file.
@@ -312,6 +563,21 @@ pub struct Reset {
 }
 
 /// What the record says at one instant, in the order of the model's declarations.
+///
+/// ```
+/// use veribound_interval::{Decimal, Interval};
+/// use veribound_model::Sample;
+///
+/// // What a sample of a model with one input, two outputs and a signal says.
+/// let sample = Sample {
+///     time: Decimal::parse("0.01").unwrap(),
+///     inputs: vec![Interval::point(0.25)],
+///     outputs: vec![Interval::new(1.4, 1.6), None], // the second one was not measured
+///     signals: vec![Some(true)],
+///     line: 3,
+/// };
+/// assert_eq!(sample.time.to_string(), "0.01");
+/// ```
 #[derive(Debug, Clone)]
 pub struct Sample {
     /// Time stamp, exactly as spelled.

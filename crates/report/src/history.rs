@@ -56,6 +56,20 @@ pub(crate) struct Work {
 ///
 /// # Cost
 /// `push` is O(number of series) on average; memory is O(columns x number of series).
+///
+/// ```
+/// use veribound_report::{FigureMeta, History, Quantity, SampleRow};
+///
+/// let meta = FigureMeta { states: vec![Quantity::new("x", "m")], ..FigureMeta::default() };
+/// let mut history = History::new(meta);
+/// for k in 0..10 {
+///     let t = f64::from(k);
+///     history.push(&SampleRow { t, states: &[(t - 0.5, t + 0.5)], ..SampleRow::default() })?;
+/// }
+/// let names: Vec<String> = history.render_all().into_iter().map(|figure| figure.name).collect();
+/// assert!(names.contains(&"states".to_string()));
+/// # Ok::<(), veribound_report::ReportError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct History {
     pub(crate) meta: FigureMeta,

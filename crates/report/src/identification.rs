@@ -39,6 +39,22 @@ pub struct PavingTile {
 }
 
 /// All that is drawn of an identification.
+///
+/// ```
+/// use veribound_report::{Identification, ProvedParameter, Quantity};
+///
+/// let mass = ProvedParameter {
+///     quantity: Quantity::new("m", "kg"),
+///     prior: (0.5, 5.0),
+///     outer: Some((1.9, 2.1)),
+///     inner: Some((1.95, 2.05)),
+///     tightness: 2.0,
+/// };
+/// let found = Identification { params: vec![mass], ..Identification::default() };
+/// let figure = &found.render_all()[0];
+/// assert_eq!(figure.name, "bounds");
+/// assert!(figure.svg.starts_with("<svg"));
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Identification {
     /// Title of the run: in the SVG's title element, not drawn.

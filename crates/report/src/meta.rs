@@ -3,6 +3,13 @@
 use std::ops::Range;
 
 /// A named quantity with its unit, as the axis shows it: `name [unit]`.
+///
+/// ```
+/// use veribound_report::Quantity;
+///
+/// assert_eq!(Quantity::new("omega", "rad/s").label(), "omega [rad/s]");
+/// assert_eq!(Quantity::new("share", "").label(), "share");
+/// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Quantity {
     /// Name as in the model file.

@@ -75,12 +75,14 @@
 //!
 //! The program `veribound` is made of these parts.
 
+#[doc(hidden)]
+pub mod program;
 mod simulation;
 
 pub use simulation::{Simulation, Stopped};
 pub use veribound_data::{
     Cell as TableCell, Column, IdentifiedSummary, Record, RecordOptions, ResultFolder, RunInfo,
-    Samples, Start, Summary, TableWriter,
+    Samples, Start, Summary, TableSource, TableWriter,
 };
 pub use veribound_estimate::{
     Cell, Contradiction, Estimate, Misuse, Observer, ObserverOptions, ParameterRule, Refutation,

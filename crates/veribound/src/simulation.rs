@@ -42,6 +42,19 @@ pub struct Simulation {
 const ORDER: usize = 6;
 
 /// The simulation cannot go on; the states are those before the step.
+///
+/// ```
+/// use veribound::{Interval, Model, Simulation};
+///
+/// // x' = x^2 from 1 is infinite after a second.
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nder.x = \"x^2\"\noutputs.y = \"x +- 0.1\"";
+/// let model = Model::from_text("explosion.toml", text)?;
+/// let mut simulation = Simulation::new(&model, &[], &[Interval::ONE], 10);
+/// assert!(simulation.advance(&[], Interval::point(0.5)).is_ok());
+/// let stopped = simulation.advance(&[], Interval::point(2.0)).unwrap_err();
+/// assert_eq!(stopped.to_string(), "no bounding box holds the solution, even for short steps");
+/// # Ok::<(), veribound::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Stopped(pub StepFailure);
 

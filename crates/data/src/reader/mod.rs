@@ -3,6 +3,7 @@
 
 pub(crate) mod fields;
 pub(crate) mod lines;
+pub(crate) mod source;
 pub(crate) mod table;
 
 use fields::QuoteError;

@@ -2,23 +2,32 @@
 
 use super::fields::{content, separator, split};
 use super::lines::Lines;
+use super::source::{Bytes, TableSource};
 use super::{Line, bad_quotes, is_comment};
 use crate::digest::Digesting;
-use crate::failure;
 use std::borrow::Cow;
-use std::fs::File;
-use std::io::{self, BufReader};
+use std::io::BufReader;
 use std::ops::Range;
-use std::path::Path;
 use veribound_model::diagnostic::Diagnostic;
 
 /// Reads a table of text: a header line, then rows with as many fields; by the rules of records
 /// (comments, separators, quotes), but without a meaning of the columns.
 ///
 /// *Cost*: memory does not grow with the number of rows.
+///
+/// ```
+/// use veribound_data::{TableReader, TableSource};
+///
+/// let mut table = TableReader::open(TableSource::text("t.csv", "# made by hand\na; b\n1; \"x; y\"\n"))?;
+/// let b = table.column("b").unwrap();
+/// let row = table.next_row()?.unwrap();
+/// assert_eq!((row.field(b).as_ref(), row.line()), ("x; y", 3));
+/// assert!(table.next_row()?.is_none());
+/// # Ok::<(), veribound_model::diagnostic::Diagnostic>(())
+/// ```
 #[derive(Debug)]
 pub struct TableReader {
-    lines: Lines<BufReader<Digesting<File>>>,
+    lines: Lines<BufReader<Digesting<Bytes>>>,
     name: String,
     separator: char,
     columns: Vec<String>,
@@ -40,19 +49,12 @@ impl TableReader {
     ///
     /// *Errors*: `E0401` when it cannot be read, `E0402` when it has no header line, `E0404` to
     /// `E0406` when it is no table of text.
-    pub fn open(path: impl AsRef<Path>) -> Result<TableReader, Diagnostic> {
-        let path = path.as_ref();
-        let name = path.display().to_string();
-        let refuse = |error| failure::unreadable(&name, &error);
-        let file = File::open(path).map_err(refuse)?;
-        if file.metadata().map_err(refuse)?.is_dir() {
-            return Err(refuse(io::ErrorKind::IsADirectory.into()));
-        }
+    pub fn open(source: impl Into<TableSource>) -> Result<TableReader, Diagnostic> {
+        let source = source.into();
+        let name = source.path().display().to_string();
+        let bytes = Digesting::new(source.open(true)?);
         let mut table = TableReader {
-            lines: Lines::new(
-                BufReader::with_capacity(1 << 16, Digesting::new(file)),
-                &name,
-            )?,
+            lines: Lines::new(BufReader::with_capacity(1 << 16, bytes), &name)?,
             name,
             separator: ',',
             columns: Vec::new(),

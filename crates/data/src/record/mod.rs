@@ -11,22 +11,38 @@ mod similar;
 mod units;
 
 use crate::digest::Digesting;
-use crate::failure;
 use crate::reader::lines::{Lines, quote};
+use crate::reader::source::{Bytes, TableSource};
 use crate::reader::{Line, bad_quotes, fields, is_comment};
 use header::{Column, Header};
 use layout::{Finder, Layout};
 use problems::Problems;
 use row::{Row, Rows};
-use std::fs::File;
 use std::io::{BufRead, BufReader};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 use veribound_interval::{Decimal, text};
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
 use veribound_model::model::{Model, Sample};
 
 /// How to read a record.
+///
+/// ```
+/// use veribound_data::{Record, RecordOptions, TableSource};
+/// use veribound_interval::Decimal;
+/// # use veribound_model::Model;
+/// # let text = "format = 1\nstates = [\"x [m]\"]\ninit.x = 0\nparams.k = [0, 2]\nder.x = \"k\"\noutputs.y = \"x +- 0.1\"";
+/// # let model = Model::from_text("slide.toml", text)?;
+/// let table = TableSource::text("r.csv", "zeit,weg\n0,0\n1,0.5\n2,1\n3,1.5\n");
+/// let options = RecordOptions {
+///     time: Some("zeit".to_string()),
+///     columns: vec![("y".to_string(), "weg".to_string())],
+///     from: Decimal::parse("1").ok(),
+///     to: Decimal::parse("2.5").ok(),
+/// };
+/// assert_eq!(Record::open(table, &model, options)?.len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct RecordOptions {
     /// Name of the time column; by default the one called `t`, `time`, `timestamp` or `stamp`.
@@ -53,9 +69,27 @@ pub struct RecordOptions {
 ///
 /// *Cost*: the file is read once here and once for every [`Record::samples`]; memory does not
 /// grow with its length.
+///
+/// ```
+/// use veribound_data::{Record, RecordOptions, TableSource};
+/// # use veribound_model::Model;
+/// # let text = "format = 1\nstates = [\"x [m]\"]\ninit.x = 0\nparams.k = [0, 2]\nder.x = \"k\"\noutputs.y = \"x +- 0.1\"";
+/// # let model = Model::from_text("slide.toml", text)?;
+/// let table = TableSource::text("r.csv", "t,y [mm],note\n0,0,begin\n0.1,,\n0.2,250,end\n");
+/// let record = Record::open(table, &model, RecordOptions::default())?;
+/// assert_eq!((record.len(), record.last().to_string()), (3, "0.2".to_string()));
+/// assert_eq!(record.missing(), [("y".to_string(), 1)]);
+/// assert_eq!(record.ignored_columns(), ["note"]);
+///
+/// // A quarter of a metre, to 0.1 m: millimetres are converted, and the error bound is in metres.
+/// let samples = record.all_samples()?;
+/// let y = samples[2].outputs[0].unwrap();
+/// assert!(y.contains(0.16) && y.contains(0.34) && !y.contains(0.36));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Record {
-    path: PathBuf,
+    source: TableSource,
     name: Arc<str>,
     layout: Arc<Layout>,
     options: RecordOptions,
@@ -76,29 +110,26 @@ impl Record {
     /// *Errors*: everything that is wrong with the file (the first problems in full, the rest
     /// counted), codes `E04xx`.
     pub fn open(
-        path: impl AsRef<Path>,
+        source: impl Into<TableSource>,
         model: &Model,
         options: RecordOptions,
     ) -> Result<Record, Diagnostics> {
-        Record::open_watched(path, model, options, &mut |_| {})
+        Record::open_watched(source, model, options, &mut |_| {})
     }
 
     /// As [`Record::open`]; tells `watch` from time to time how many bytes have been checked.
     ///
     /// *Errors*: those of [`Record::open`].
     pub fn open_watched(
-        path: impl AsRef<Path>,
+        source: impl Into<TableSource>,
         model: &Model,
         options: RecordOptions,
         watch: &mut dyn FnMut(u64),
     ) -> Result<Record, Diagnostics> {
-        let path = path.as_ref().to_path_buf();
-        let name: Arc<str> = Arc::from(path.display().to_string());
-        let file = open_file(&path, &name)?;
-        let mut lines = Lines::new(
-            BufReader::with_capacity(BUFFER, Digesting::new(file)),
-            &name,
-        )?;
+        let source = source.into();
+        let name: Arc<str> = Arc::from(source.path().display().to_string());
+        let bytes = Digesting::new(source.open(false)?);
+        let mut lines = Lines::new(BufReader::with_capacity(BUFFER, bytes), &name)?;
         let header = read_header(&mut lines, &name)?;
         let mut problems = Problems::default();
         let finder = Finder {
@@ -125,7 +156,7 @@ impl Record {
         };
         Ok(Record {
             sha256: lines.into_input().into_inner().finish(),
-            path,
+            source,
             missing,
             hint,
             layout: Arc::new(layout),
@@ -141,8 +172,7 @@ impl Record {
     ///
     /// *Errors*: when the file cannot be opened any more.
     pub fn samples(&self) -> Result<Samples, Diagnostics> {
-        let file = open_file(&self.path, &self.name)?;
-        let mut lines = Lines::new(BufReader::with_capacity(BUFFER, file), &self.name)?;
+        let mut lines = self.lines()?;
         read_header(&mut lines, &self.name)?;
         Ok(Samples {
             lines,
@@ -152,6 +182,24 @@ impl Record {
             rows: Rows::new(),
             is_done: false,
         })
+    }
+
+    /// A line as it stands in the file (the first is 1), for messages; empty where it cannot be read again.
+    pub fn line(&self, number: usize) -> String {
+        let Ok(mut lines) = self.lines() else {
+            return String::new();
+        };
+        while let Ok(Some((text, at))) = lines.next_line() {
+            if at == number {
+                return text.to_owned();
+            }
+        }
+        String::new()
+    }
+
+    fn lines(&self) -> Result<Lines<BufReader<Bytes>>, Diagnostic> {
+        let bytes = self.source.open(false)?;
+        Lines::new(BufReader::with_capacity(BUFFER, bytes), &self.name)
     }
 
     /// All samples of the window together.
@@ -188,9 +236,9 @@ impl Record {
         &self.sha256
     }
 
-    /// Path as the user gave it.
+    /// Path as the user gave it, or the name of a text in memory.
     pub fn path(&self) -> &Path {
-        &self.path
+        self.source.path()
     }
 
     /// Pairs of a variable and the header of the column (or columns) it is read from; the first
@@ -229,9 +277,23 @@ impl Record {
 /// The samples of a record's window in the order of time.
 ///
 /// An error means that the file was changed after [`Record::open`] checked it; nothing follows it.
+///
+/// ```
+/// use veribound_data::{Record, RecordOptions, TableSource};
+/// # use veribound_model::Model;
+/// # let text = "format = 1\nstates = [\"x [m]\"]\ninit.x = 0\nparams.k = [0, 2]\nder.x = \"k\"\noutputs.y = \"x +- 0.1\"";
+/// # let model = Model::from_text("slide.toml", text)?;
+/// let table = TableSource::text("r.csv", "t,y\n0,0\n1,0.5\n");
+/// let record = Record::open(table, &model, RecordOptions::default())?;
+/// for sample in record.samples()? {
+///     let sample = sample?;
+///     println!("line {}: t = {} s", sample.line, sample.time);
+/// }
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Samples {
-    lines: Lines<BufReader<File>>,
+    lines: Lines<BufReader<Bytes>>,
     name: Arc<str>,
     layout: Arc<Layout>,
     options: RecordOptions,
@@ -359,24 +421,6 @@ fn check<R: BufRead>(
         *last = time.clone();
     }
     seen
-}
-
-fn open_file(path: &Path, name: &str) -> Result<File, Diagnostic> {
-    let refuse = |error| failure::unreadable(name, &error);
-    let file = File::open(path).map_err(refuse)?;
-    let kind = file.metadata().map_err(refuse)?.file_type();
-    if kind.is_dir() {
-        return Err(refuse(std::io::ErrorKind::IsADirectory.into()));
-    }
-    if !kind.is_file() {
-        // The record is read twice; a pipe can be read only once.
-        return Err(Diagnostic::new(
-            "E0401",
-            format!("cannot read `{name}`: it is no regular file"),
-        )
-        .help("write the record to a file first"));
-    }
-    Ok(file)
 }
 
 fn read_header<R: BufRead>(lines: &mut Lines<R>, name: &str) -> Result<Header, Diagnostic> {

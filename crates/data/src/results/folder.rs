@@ -36,6 +36,19 @@ const PAIRS: &str = "paving_";
 /// *Guarantee*: a folder with a `summary.json` holds the results of one run, all of them and
 /// nothing of another. A run that fails before [`ResultFolder::publish`] changes no result that is
 /// there.
+///
+/// ```
+/// use veribound_data::ResultFolder;
+/// # let place = std::env::temp_dir().join(format!("veribound-doc-folder-{}", std::process::id()));
+/// let folder = ResultFolder::create(&place)?;
+/// let note = folder.write("note.txt", b"proved")?;
+/// assert!(!place.join("note.txt").exists()); // nothing is seen before all of it is complete
+/// let summary = folder.write("summary.json", b"{}")?;
+/// folder.publish(vec![note, summary])?;
+/// assert_eq!(std::fs::read(place.join("note.txt"))?, b"proved");
+/// # std::fs::remove_dir_all(place)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct ResultFolder {
     path: PathBuf,

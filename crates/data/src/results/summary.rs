@@ -9,6 +9,10 @@ use veribound_model::diagnostic::Diagnostic;
 use veribound_model::model::{Param, State};
 
 /// What a run says about model and record.
+///
+/// ```
+/// assert_eq!(veribound_data::Verdict::Undecided.name(), "undecided");
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
@@ -18,6 +22,17 @@ pub enum Verdict {
     Inconsistent,
     /// Neither was proved.
     Undecided,
+}
+
+impl Verdict {
+    /// Its name in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Verdict::Consistent => "consistent",
+            Verdict::Inconsistent => "inconsistent",
+            Verdict::Undecided => "undecided",
+        }
+    }
 }
 
 /// The content of `summary.json`.

@@ -9,6 +9,17 @@ use veribound_model::diagnostic::Diagnostic;
 use veribound_model::model::Model;
 
 /// A column of a table.
+///
+/// ```
+/// use veribound_data::Column;
+/// use veribound_model::Model;
+///
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = 0\nder.x = 1\noutputs.y = \"x +- 0.1\"";
+/// let columns = Column::of_states(&Model::from_text("clock.toml", text)?);
+/// assert_eq!(columns[0], Column::Bounds("x".to_string()));
+/// assert_eq!(columns[2], Column::plain("boxes"));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Column {
     /// Bounds of a variable: the two columns `name.lo` and `name.hi`.
@@ -21,6 +32,13 @@ pub enum Column {
 }
 
 /// What stands in a row below one [`Column`].
+///
+/// ```
+/// use veribound_data::Cell;
+///
+/// let row = [Cell::Count(3), Cell::Text("forward|stick"), Cell::Float(0.25)];
+/// assert!(matches!(row[1], Cell::Text(names) if names.contains("stick")));
+/// ```
 #[derive(Debug, Clone, Copy)]
 pub enum Cell<'a> {
     /// Printed outward with 12 significant digits; two empty fields for the empty set.
@@ -40,6 +58,24 @@ pub enum Cell<'a> {
 /// *Guarantee*: a printed lower (upper) bound is not above (below) the bound it stands for.
 ///
 /// *Cost*: memory does not grow with the number of rows.
+///
+/// ```
+/// use veribound_data::{Cell, Column, ResultFolder, TableWriter};
+/// use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::Model;
+/// # let text = "format = 1\nstates = [\"x [m]\"]\ninit.x = 0\nparams.k = [0, 2]\nder.x = \"k\"\noutputs.y = \"x +- 0.1\"";
+/// # let model = Model::from_text("slide.toml", text)?;
+/// # let place = std::env::temp_dir().join(format!("veribound-doc-table-{}", std::process::id()));
+/// let folder = ResultFolder::create(&place)?;
+/// let mut table = TableWriter::create(&folder, "params.csv", Column::of_params(&model))?;
+/// let third = Interval::new(1.0 / 3.0, 2.0 / 3.0).unwrap();
+/// table.row(&Decimal::zero(), &[Cell::Bounds(third), Cell::Text("")])?;
+/// folder.publish(vec![table.finish()?])?;
+/// let text = std::fs::read_to_string(place.join("params.csv"))?;
+/// assert_eq!(text, "t,k.lo,k.hi,resets\n0,0.333333333333,0.666666666667,\n");
+/// # std::fs::remove_dir_all(place)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct TableWriter {
     file: ResultFile,

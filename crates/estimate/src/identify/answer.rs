@@ -5,6 +5,13 @@ use veribound_interval::round::{div_up, sub_down};
 use veribound_interval::{Decimal, Interval};
 
 /// What is wanted, and what may be spent. No option changes what is proved.
+///
+/// ```
+/// use veribound_estimate::identify::IdentifyOptions;
+///
+/// let rough = IdentifyOptions { tightness: 1.5, sets: 10, ..IdentifyOptions::default() };
+/// assert_eq!((rough.undecided, rough.threads), (None, 1));
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct IdentifyOptions {
     /// Outer bounds need not be wider than this many times the inner ones.
@@ -35,6 +42,16 @@ impl Default for IdentifyOptions {
 }
 
 /// Bounds from both sides.
+///
+/// ```
+/// use veribound_estimate::identify::Bounds;
+/// use veribound_interval::Interval;
+///
+/// let interval = |lo, hi| Interval::new(lo, hi).unwrap();
+/// let bounds = Bounds { outer: interval(0.5, 1.5), inner: Some(interval(0.75, 1.25)) };
+/// assert_eq!(bounds.tightness(), 2.0);
+/// assert_eq!(Bounds { inner: None, ..bounds }.tightness(), f64::INFINITY);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
     /// Every value that agrees with model and records lies inside; empty where none does.
@@ -98,6 +115,30 @@ pub enum Reason {
 }
 
 /// A box of parameters, and what is known of it.
+///
+/// ```
+/// # use veribound_estimate::identify::*;
+/// # use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::{Model, Sample};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = Model::from_text("decay.toml", text)?;
+/// # let sample = |time: &str, y: f64| Sample {
+/// #     time: Decimal::parse(time).unwrap(),
+/// #     inputs: vec![],
+/// #     outputs: vec![Some(model.outputs[0].error.enclose(Interval::point(y)))],
+/// #     signals: vec![],
+/// #     line: 1,
+/// # };
+/// let record: Vec<Sample> = [("0", 1.0), ("0.5", 0.6065), ("1", 0.3679)].map(|(t, y)| sample(t, y)).into();
+/// let options = IdentifyOptions { undecided: Some(0.1), ..Default::default() };
+/// let found = identify(&model, &[record], &options, &|_| true);
+/// let truth = found.tiles.iter().find(|tile| tile.params[0].contains(1.0)).unwrap();
+/// assert_eq!(truth.status, Status::Inside);
+/// let far = found.tiles.iter().find(|tile| tile.params[0].contains(1.9)).unwrap();
+/// assert_eq!(far.status, Status::Outside);
+/// assert_ne!(far.reason, Reason::Met);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Tile {
     /// One interval per parameter.
@@ -109,6 +150,27 @@ pub struct Tile {
 }
 
 /// What contradicts the model.
+///
+/// ```
+/// # use veribound_estimate::identify::*;
+/// # use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::{Model, Sample};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = Model::from_text("decay.toml", text)?;
+/// # let sample = |time: &str, y: f64| Sample {
+/// #     time: Decimal::parse(time).unwrap(),
+/// #     inputs: vec![],
+/// #     outputs: vec![Some(model.outputs[0].error.enclose(Interval::point(y)))],
+/// #     signals: vec![],
+/// #     line: 1,
+/// # };
+/// let record = [("0", 1.0), ("0.5", 0.9), ("1", 1.5)].map(|(t, y)| sample(t, y)).into();
+/// let found = identify(&model, &[record], &IdentifyOptions::default(), &|_| true);
+/// let Conclusion::Inconsistent(refuted) = found.conclusion else { panic!("x cannot grow") };
+/// // The last sample contradicts the start, whatever was read between.
+/// assert_eq!((refuted.record, refuted.samples), (0, vec![2]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Refuted {
     /// Position of a record that takes part.
@@ -153,6 +215,26 @@ pub struct LeastError {
 }
 
 /// How it ended.
+///
+/// ```
+/// # use veribound_estimate::identify::*;
+/// # use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::{Model, Sample};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = Model::from_text("decay.toml", text)?;
+/// # let sample = |time: &str, y: f64| Sample {
+/// #     time: Decimal::parse(time).unwrap(),
+/// #     inputs: vec![],
+/// #     outputs: vec![Some(model.outputs[0].error.enclose(Interval::point(y)))],
+/// #     signals: vec![],
+/// #     line: 1,
+/// # };
+/// let record = [("0", 1.0), ("1", 1.5)].map(|(t, y)| sample(t, y)).into();
+/// let found = identify(&model, &[record], &IdentifyOptions::default(), &|_| true);
+/// let Conclusion::Inconsistent(refuted) = found.conclusion else { panic!("x cannot grow") };
+/// assert_eq!(refuted.time.to_string(), "1");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub enum Conclusion {
     /// A point is proved to agree with model and records.
@@ -164,6 +246,28 @@ pub enum Conclusion {
 }
 
 /// What was proved about parameters and start states.
+///
+/// ```
+/// # use veribound_estimate::identify::*;
+/// # use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::{Model, Sample};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = Model::from_text("decay.toml", text)?;
+/// # let sample = |time: &str, y: f64| Sample {
+/// #     time: Decimal::parse(time).unwrap(),
+/// #     inputs: vec![],
+/// #     outputs: vec![Some(model.outputs[0].error.enclose(Interval::point(y)))],
+/// #     signals: vec![],
+/// #     line: 1,
+/// # };
+/// let record: Vec<Sample> = [("0", 1.0), ("0.5", 0.6065), ("1", 0.3679)].map(|(t, y)| sample(t, y)).into();
+/// let found = identify(&model, &[record], &IdentifyOptions::default(), &|_| true);
+/// assert_eq!(found.conclusion, Conclusion::Consistent);
+/// let k = found.params[0];
+/// assert!(k.outer.contains(1.0) && k.inner.unwrap().is_subset_of(k.outer));
+/// assert!(k.tightness() < 1.05 && found.limits == [Limit::Record]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Identified {
     /// How it ended.

@@ -21,6 +21,13 @@ use veribound_model::Model;
 const WORTH: f64 = 4.0;
 
 /// A way to enclose all solutions.
+///
+/// ```
+/// use veribound_flow::engine::Engine;
+///
+/// let names: Vec<&str> = Engine::ALL.iter().map(|engine| engine.name()).collect();
+/// assert_eq!(names, ["auto", "boxes", "forms", "comparison"]);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Engine {
     /// The best of the others, as far as is known.
@@ -55,6 +62,28 @@ impl Engine {
 }
 
 /// What was proved, and how.
+///
+/// ```
+/// use veribound_flow::engine::{Engine, Engines, Task};
+/// use veribound_flow::form::{Effort, FormOptions, Stretch};
+/// # use veribound_interval::{Decimal, Interval};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0.5, 1]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = veribound_model::Model::from_text("decay.toml", text)?;
+/// let start = [model.states[0].init];
+/// let params = [model.params[0].bounds];
+/// let second = Stretch { inputs: vec![], dt: Interval::ONE };
+/// let task = Task {
+///     states: &start,
+///     params: &params,
+///     stretches: &[second],
+///     options: FormOptions::default(),
+///     effort: Effort::default(),
+/// };
+/// let answer = Engines::new(&model).enclose(Engine::Forms, task, &|_| true);
+/// assert_eq!(answer.by, [Engine::Forms]);
+/// assert!(answer.enclosure.stopped.is_none());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Answer {
     /// The bounds.
@@ -102,6 +131,30 @@ pub struct Task<'a> {
 }
 
 /// A model compiled for all engines; those that are not asked cost nothing.
+///
+/// ```
+/// use veribound_flow::engine::{Engine, Engines, Task};
+/// use veribound_flow::form::{Effort, FormOptions, Stretch};
+/// # use veribound_interval::{Decimal, Interval};
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0.5, 1]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = veribound_model::Model::from_text("decay.toml", text)?;
+/// let start = [model.states[0].init];
+/// let params = [model.params[0].bounds];
+/// let second = Stretch { inputs: vec![], dt: Interval::ONE };
+/// let task = Task {
+///     states: &start,
+///     params: &params,
+///     stretches: &[second],
+///     options: FormOptions::default(),
+///     effort: Effort::default(),
+/// };
+/// let answer = Engines::new(&model).enclose(Engine::Auto, task, &|_| true);
+/// let end = answer.enclosure.ends[0][0];
+/// // From exp(-1) to exp(-1/2), nearly exactly.
+/// assert!(end.contains((-1.0_f64).exp()) && end.contains((-0.5_f64).exp()));
+/// assert!(end.width() < 0.24);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Engines {
     model: Model,

@@ -206,8 +206,16 @@ impl ModelBuilder {
     /// # Errors
     /// Everything that is wrong with it, each with its place in [`ModelBuilder::to_toml`].
     pub fn build(&self) -> Result<Model, Diagnostics> {
+        self.build_in("Rust")
+    }
+
+    /// The same for a builder in another language, which messages name.
+    ///
+    /// # Errors
+    /// As [`ModelBuilder::build`].
+    pub fn build_in(&self, language: &str) -> Result<Model, Diagnostics> {
         let Text { text, flaws } = self.write();
-        let name = format!("{} (built in Rust)", self.name);
+        let name = format!("{} (built in {language})", self.name);
         if text.len() > LARGEST_FILE {
             let message = format!("the text of the model has {} bytes", text.len());
             let help =

@@ -72,6 +72,9 @@ pub struct Check {
 /// Flags of `veribound observe`.
 #[derive(Debug, Args)]
 pub struct Observe {
+    /// What was typed, word by word.
+    #[arg(skip = super::run_info::typed())]
+    pub words: Vec<String>,
     /// Model file (TOML)
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
@@ -309,6 +312,9 @@ pub struct Simulate {
 /// Flags of `veribound enclose`.
 #[derive(Debug, Args)]
 pub struct Enclose {
+    /// What was typed, word by word.
+    #[arg(skip = super::run_info::typed())]
+    pub words: Vec<String>,
     /// Model file (TOML); its start boxes, parameter bounds, disturbances and input errors are the set
     /// of all solutions that are enclosed
     #[arg(value_name = "MODEL")]

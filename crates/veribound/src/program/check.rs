@@ -10,9 +10,14 @@ use veribound_model::Model;
 /// Reads the model and describes it.
 pub fn run(arguments: &Check) -> Outcome {
     let model = Model::from_file(&arguments.model)?;
-    let description = model.describe();
-    let outlook = outlook(&model, &Comparison::new(&model));
-    let plan = plan(&model, &outlook);
-    message::say(&format!("{}\n\n{plan}\n", description.trim_end()));
+    message::say(&told(&model));
     Ok(Ending::Done)
+}
+
+/// What was understood, and how its solutions will be enclosed.
+pub fn told(model: &Model) -> String {
+    let description = model.describe();
+    let outlook = outlook(model, &Comparison::new(model));
+    let plan = plan(model, &outlook);
+    format!("{}\n\n{plan}\n", description.trim_end())
 }

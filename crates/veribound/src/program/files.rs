@@ -45,7 +45,7 @@ impl<'m> Files<'m> {
         estimate: &Estimate,
         seconds: f64,
     ) -> Result<(), Diagnostic> {
-        let modes = self.mode_names(estimate.modes);
+        let modes = mode_names(self.model, estimate.modes);
         let mut row: Vec<Cell> = estimate.states.iter().map(|x| Cell::Bounds(*x)).collect();
         row.extend([Cell::Text(&modes), Cell::Count(estimate.boxes)]);
         self.states.row(&sample.time, &row)?;
@@ -113,7 +113,7 @@ impl<'m> Files<'m> {
         let columns = Column::of_boxes(self.model);
         let mut table = TableWriter::create(&self.folder, "boxes.csv", columns)?;
         for (number, cell) in boxes.iter().enumerate() {
-            let modes = self.mode_names(cell.modes);
+            let modes = mode_names(self.model, cell.modes);
             let mut row = vec![Cell::Count(number + 1)];
             row.extend(cell.z.iter().map(|z| Cell::Bounds(*z)));
             row.push(Cell::Text(&modes));
@@ -132,15 +132,16 @@ impl<'m> Files<'m> {
             None => self.history.render_all(),
         })
     }
+}
 
-    fn mode_names(&self, modes: ModeSet) -> String {
-        let names = self.model.modes.iter().enumerate();
-        joined(
-            names
-                .filter(|(mode, _)| modes.contains(*mode))
-                .map(|(_, m)| m.name.as_str()),
-        )
-    }
+/// Names of modes, joined.
+pub fn mode_names(model: &Model, modes: ModeSet) -> String {
+    let names = model.modes.iter().enumerate();
+    joined(
+        names
+            .filter(|(mode, _)| modes.contains(*mode))
+            .map(|(_, m)| m.name.as_str()),
+    )
 }
 
 /// Writes the figures that `draw` gives in all formats, if any is asked for.
@@ -214,6 +215,7 @@ pub fn drawn_modes(model: &Model) -> impl Iterator<Item = Range<usize>> + '_ {
     groups.filter(move |modes| only || modes.len() > 1)
 }
 
+/// Names, joined.
 pub fn joined<'n>(names: impl Iterator<Item = &'n str>) -> String {
     names.collect::<Vec<_>>().join("|")
 }

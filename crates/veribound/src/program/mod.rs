@@ -1,30 +1,33 @@
 //! The parts of the program: what was typed, what it means, what is done, what is said.
+//!
+//! The Python package does the same things with the same parts, so that a run is prepared, and its results
+//! and problems told, in one place. It is no interface for others.
 
-mod arguments;
-mod assumptions;
-mod check;
-mod enclose;
-mod ending;
+pub mod arguments;
+pub mod assumptions;
+pub mod check;
+pub mod enclose;
+pub mod ending;
 mod engine;
 mod explain;
-mod files;
+pub mod files;
 mod flags;
-mod identify;
+pub mod identify;
 mod interrupt;
-mod message;
+pub mod message;
 mod noise;
-mod numbers;
-mod observe;
+pub mod numbers;
+pub mod observe;
 mod overlay;
 mod overwriting;
-mod profile;
-mod progress;
-mod reading;
+pub mod profile;
+pub mod progress;
+pub mod reading;
 mod run_info;
 mod same_units;
-mod simulate;
-mod table;
-mod verdict;
+pub mod simulate;
+pub mod table;
+pub mod verdict;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
@@ -53,7 +56,7 @@ pub fn main() -> ExitCode {
 }
 
 /// Refuses arithmetic with which nothing would be proved.
-fn arithmetic() -> Result<(), Diagnostics> {
+pub fn arithmetic() -> Result<(), Diagnostics> {
     veribound_interval::self_test().map_err(|error| unsound(&error))?;
     match Path::refused() {
         Some(wish) => Err(no_such_path(wish).into()),
@@ -79,7 +82,7 @@ fn no_such_path(wish: &str) -> Diagnostic {
 }
 
 /// What every part of the program gives back: how it ended, or what was wrong with the input.
-type Outcome = Result<Ending, Diagnostics>;
+pub type Outcome = Result<Ending, Diagnostics>;
 
 #[cfg(test)]
 mod tests {

@@ -9,11 +9,11 @@ use super::{
     Outcome, assumptions, message, overlay, overwriting, progress, reading, run_info, table,
     verdict,
 };
-use indicatif::ProgressBar;
 use std::path::Path;
 use std::time::Instant;
 use veribound_data::{
-    FileInfo, ParameterSummary, Record, ResultFolder, Start, StateSummary, Summary, Work,
+    FileInfo, ParameterSummary, Record, ResultFolder, Start, StateSummary, Summary, TableSource,
+    Work,
 };
 use veribound_estimate::{Estimate, Observer, Refutation, Undecided, Verdict};
 use veribound_interval::{Decimal, Interval};
@@ -39,89 +39,179 @@ pub struct Findings {
     pub work: Work,
 }
 
+/// What a run works on, all of it checked.
+pub struct Prepared {
+    /// The model, weakened as the flags say.
+    pub model: Model,
+    /// The record.
+    pub record: Record,
+    /// What is assumed beside the model file, in sentences.
+    pub said: Vec<String>,
+    observer: Observer,
+    /// The files of the run from which this one starts.
+    start: Vec<FileInfo>,
+}
+
+/// A run that is done.
+pub struct Done {
+    /// The model, weakened as the flags say.
+    pub model: Model,
+    /// The record.
+    pub record: Record,
+    /// What it came to.
+    pub found: Findings,
+    /// The boxes that are left; none of a refuted model.
+    pub cells: Vec<veribound_estimate::Cell>,
+    /// `summary.json`.
+    pub json: String,
+}
+
 /// Observes. Everything that can be wrong with the input is found before anything is written.
 pub fn run(arguments: &Observe) -> Outcome {
     // [1/4] Input: model, flags, record, earlier runs.
     refuse_flags(arguments)?;
-    let mut model = Model::from_file(&arguments.model)?;
-    let mut said = assumptions::weaken(&mut model, &arguments.assumptions.weakening)?;
+    let model = Model::from_file(&arguments.model)?;
     let quiet = arguments.showing.output.quiet;
-    let record = reading::open(&arguments.record, &model, &arguments.reading, quiet)?;
-    let records = std::slice::from_ref(&record);
-    said.extend(reading::assumed(&model, records, &arguments.reading));
-    let mut observer = Observer::new(&model, arguments.method.options());
-    let start = match &arguments.assumptions.start_from {
-        Some(folder) => Some(start_from(folder, &model, &mut observer, &mut said)?),
-        None => None,
-    };
-    let zoom = match &arguments.showing.zoom {
-        ZoomFlag::Auto => Zoom::Auto,
-        ZoomFlag::Off => Zoom::Off,
-        ZoomFlag::Window(from, to) => {
-            Zoom::Window(from.to_interval().mid(), to.to_interval().mid())
-        }
-    };
-    let meta = figure_meta(&model, zoom, sample_time_ms(&record));
-    let other = arguments.showing.overlay.as_deref();
-    let other = other
-        .map(|folder| overlay::read(folder, &model, &meta))
-        .transpose()?;
-    let (other, shown) = other.unzip();
-    let files_read = run_info::Earlier {
-        start: start.unwrap_or_default(),
-        overlay: shown,
-    };
-    let run_info = run_info::of(arguments, (&model, &record), files_read, &said);
-    reading::remarks(records, &said, quiet);
-
-    // [2/4] The record, sample by sample.
-    let interrupt = Interrupt::listen();
-    let folder = ResultFolder::create(&arguments.output)?;
-    let mut files = Files::create(&model, folder, meta)?;
-    let bar = progress::of_samples(record.len(), quiet);
-    let found = follow(
-        &record,
-        &model,
-        &mut observer,
-        &mut files,
-        (&interrupt, &bar),
-    );
+    let source = TableSource::from(&arguments.record);
+    let bar = progress::of_parts(source.bytes(), "of the record checked", quiet);
+    let prepared = Prepared::new(arguments, model, source, &mut |bytes| {
+        bar.set_position(bytes);
+    });
     bar.finish_and_clear();
-    let found = found?;
+    let prepared = prepared?;
+    reading::remarks(
+        std::slice::from_ref(&prepared.record),
+        &prepared.said,
+        quiet,
+    );
 
-    // [3/4] The files.
-    if let Some(refutation) = &found.refutation {
-        files.refuted_at(&refutation.time);
-    }
-    let end = found.last.as_ref().map_or(record.first(), |(time, _)| time);
-    let cells = if found.refutation.is_some() {
-        &[]
-    } else {
-        observer.cells()
-    };
-    let json = summary(&model, &record, &found, said).to_json()?;
-    let formats = &arguments.showing.output.figures;
-    let drawn = (formats.as_slice(), other.as_ref());
-    files.finish((end, cells), &run_info, &json, drawn)?;
+    // [2/4] and [3/4] The record, sample by sample, and the files.
+    let interrupt = Interrupt::listen();
+    let bar = progress::of_samples(prepared.record.len(), quiet);
+    let done = prepared.carry_out(arguments, true, &mut |_, _| bar.inc(1), &|| {
+        !interrupt.is_asked()
+    });
+    bar.finish_and_clear();
+    let Done {
+        model,
+        record,
+        found,
+        json,
+        ..
+    } = done?;
 
     // [4/4] What the user is told.
     verdict::explain(&model, &record, &found, !quiet);
     if arguments.showing.output.json {
         message::say(&json);
     } else if !quiet {
-        let figures = !formats.contains(&Format::None);
-        message::say(&table::of(
-            &model,
-            &record,
-            &found,
-            (&arguments.output, figures),
-        ));
+        let figures = !arguments.showing.output.figures.contains(&Format::None);
+        let place = (arguments.output.as_path(), figures);
+        message::say(&table::of(&model, &record, &found, place));
     }
     Ok(found.ending)
 }
 
+impl Prepared {
+    /// Checks flags, record and the run to start from; tells `watch` how many bytes of the record have
+    /// been checked.
+    pub fn new(
+        arguments: &Observe,
+        mut model: Model,
+        source: TableSource,
+        watch: &mut dyn FnMut(u64),
+    ) -> Result<Prepared, Diagnostics> {
+        let mut said = assumptions::weaken(&mut model, &arguments.assumptions.weakening)?;
+        let record = reading::open(source, &model, &arguments.reading, watch)?;
+        let records = std::slice::from_ref(&record);
+        said.extend(reading::assumed(&model, records, &arguments.reading));
+        let mut observer = Observer::new(&model, arguments.method.options());
+        let start = match &arguments.assumptions.start_from {
+            Some(folder) => start_from(folder, &model, &mut observer, &mut said)?,
+            None => Vec::new(),
+        };
+        Ok(Prepared {
+            model,
+            record,
+            said,
+            observer,
+            start,
+        })
+    }
+
+    /// Goes through the record, as long as `go_on` says so, and writes the files if they are wanted. `each`
+    /// is told every sample with its estimate.
+    pub fn carry_out(
+        self,
+        arguments: &Observe,
+        wants_files: bool,
+        each: &mut dyn FnMut(&Sample, &Estimate),
+        go_on: &dyn Fn() -> bool,
+    ) -> Result<Done, Diagnostics> {
+        let Prepared {
+            model,
+            record,
+            said,
+            mut observer,
+            start,
+        } = self;
+        let mut written = None;
+        if wants_files {
+            let meta = figure_meta(&model, zoom(arguments), sample_time_ms(&record));
+            let other = arguments.showing.overlay.as_deref();
+            let other = other
+                .map(|folder| overlay::read(folder, &model, &meta))
+                .transpose()?;
+            let (other, overlay) = other.unzip();
+            let earlier = run_info::Earlier { start, overlay };
+            let info = run_info::of(arguments, (&model, &record), earlier, &said);
+            let folder = ResultFolder::create(&arguments.output)?;
+            written = Some((Files::create(&model, folder, meta)?, other, info));
+        }
+        let mut take = |sample: &Sample, estimate: &Estimate, seconds: f64| {
+            each(sample, estimate);
+            match &mut written {
+                Some((files, ..)) => files.sample(sample, estimate, seconds),
+                None => Ok(()),
+            }
+        };
+        let found = follow(&record, &model, &mut observer, &mut take, go_on)?;
+        let cells = if found.refutation.is_some() {
+            Vec::new()
+        } else {
+            observer.cells().to_vec()
+        };
+        let json = summary(&model, &record, &found, said).to_json()?;
+        if let Some((mut files, other, info)) = written {
+            if let Some(refutation) = &found.refutation {
+                files.refuted_at(&refutation.time);
+            }
+            let end = found.last.as_ref().map_or(record.first(), |(time, _)| time);
+            let formats = arguments.showing.output.figures.as_slice();
+            files.finish((end, &cells), &info, &json, (formats, other.as_ref()))?;
+        }
+        Ok(Done {
+            model,
+            record,
+            found,
+            cells,
+            json,
+        })
+    }
+}
+
+fn zoom(arguments: &Observe) -> Zoom {
+    match &arguments.showing.zoom {
+        ZoomFlag::Auto => Zoom::Auto,
+        ZoomFlag::Off => Zoom::Off,
+        ZoomFlag::Window(from, to) => {
+            Zoom::Window(from.to_interval().mid(), to.to_interval().mid())
+        }
+    }
+}
+
 /// Refuses what no run could do, and results in the place of what the run reads.
-fn refuse_flags(arguments: &Observe) -> Result<(), Diagnostic> {
+pub fn refuse_flags(arguments: &Observe) -> Result<(), Diagnostic> {
     let Showing {
         output, overlay, ..
     } = &arguments.showing;
@@ -191,13 +281,13 @@ fn sample_time_ms(record: &Record) -> Option<f64> {
     (record.len() > 1).then(|| whole / (record.len() - 1) as f64 * 1e3)
 }
 
-/// Steps the observer through the record.
+/// Steps the observer through the record, and tells `each` what is known after every sample.
 fn follow(
     record: &Record,
     model: &Model,
     observer: &mut Observer,
-    files: &mut Files,
-    (interrupt, bar): (&Interrupt, &ProgressBar),
+    each: &mut dyn FnMut(&Sample, &Estimate, f64) -> Result<(), Diagnostic>,
+    go_on: &dyn Fn() -> bool,
 ) -> Result<Findings, Diagnostics> {
     let started = Instant::now();
     let mut found = Findings {
@@ -210,7 +300,7 @@ fn follow(
         work: Work::default(),
     };
     for sample in record.samples()? {
-        if interrupt.is_asked() {
+        if !go_on() {
             found.ending = Ending::Interrupted;
             break;
         }
@@ -223,7 +313,7 @@ fn follow(
         found.work.worst_sample_s = found.work.worst_sample_s.max(seconds);
         match verdict {
             Verdict::Consistent(estimate) => {
-                files.sample(&sample, &estimate, seconds)?;
+                each(&sample, &estimate, seconds)?;
                 for (last, is_reset) in found.resets.iter_mut().zip(&estimate.resets) {
                     if *is_reset {
                         *last = Some(sample.time.clone());
@@ -231,7 +321,6 @@ fn follow(
                 }
                 found.samples += 1;
                 found.last = Some((sample.time, estimate));
-                bar.inc(1);
             }
             Verdict::Inconsistent(refutation) => {
                 found.ending = Ending::Inconsistent;

@@ -2,9 +2,8 @@
 
 use super::arguments::Times;
 use super::{progress, same_units};
-use std::fs;
 use std::path::{Path, PathBuf};
-use veribound_data::{Record, RecordOptions, TableReader};
+use veribound_data::{Record, RecordOptions, TableReader, TableSource};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::Model;
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
@@ -44,13 +43,22 @@ struct Point {
 impl Profile {
     /// Opens the profile that the flags name.
     pub fn open(times: &Times, model: &Model) -> Result<Profile, Diagnostics> {
+        Profile::of(times, times.input.as_ref().map(TableSource::from), model)
+    }
+
+    /// The same with inputs from anywhere.
+    pub fn of(
+        times: &Times,
+        inputs: Option<TableSource>,
+        model: &Model,
+    ) -> Result<Profile, Diagnostics> {
         same_units::of_columns(model)?;
-        let (mut points, last, count) = match &times.input {
-            Some(path) => {
-                let record = check(path, model)?;
+        let (mut points, last, count) = match inputs {
+            Some(source) => {
+                let record = check(&source, model)?;
                 same_units::of_profile(&record)?;
                 let (last, count) = (record.last().clone(), record.len());
-                (Points::of_table(path, record)?, last, count)
+                (Points::of_table(source, record)?, last, count)
             }
             None if model.recorded_inputs().next().is_none() => (Points::Start, Decimal::zero(), 1),
             None => {
@@ -155,8 +163,10 @@ enum Points {
 }
 
 impl Points {
-    fn of_table(path: &Path, record: Record) -> Result<Points, Diagnostic> {
-        let table = TableReader::open(path).map_err(|problem| changed(path, &problem.message))?;
+    fn of_table(source: TableSource, record: Record) -> Result<Points, Diagnostic> {
+        let path = source.path().to_path_buf();
+        let table =
+            TableReader::open(source).map_err(|problem| changed(&path, &problem.message))?;
         let mut places = Vec::new();
         for (variable, column) in record.columns() {
             let message =
@@ -167,7 +177,7 @@ impl Points {
         Ok(Points::Table {
             table: Box::new(table),
             places,
-            path: path.to_path_buf(),
+            path,
             record: Box::new(record),
         })
     }
@@ -206,14 +216,18 @@ impl Points {
 }
 
 /// Checks the whole profile, as a record of inputs.
-fn check(path: &Path, model: &Model) -> Result<Record, Diagnostics> {
+fn check(source: &TableSource, model: &Model) -> Result<Record, Diagnostics> {
     let mut inputs = model.clone();
     inputs.outputs.clear();
     inputs.signals.clear();
-    let bytes = fs::metadata(path).map_or(0, |file| file.len());
-    let bar = progress::of_parts(bytes, "of the profile checked", false);
+    let bar = progress::of_parts(source.bytes(), "of the profile checked", false);
     let mut watch = |bytes| bar.set_position(bytes);
-    let record = Record::open_watched(path, &inputs, RecordOptions::default(), &mut watch);
+    let record = Record::open_watched(
+        source.clone(),
+        &inputs,
+        RecordOptions::default(),
+        &mut watch,
+    );
     bar.finish_and_clear();
     record
 }
@@ -238,6 +252,7 @@ fn between(time: &Decimal) -> Diagnostic {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn a_profile_that_changes_under_way_is_told_word_for_word() {
@@ -247,9 +262,10 @@ mod tests {
         let place = tempfile::tempdir().unwrap();
         let path = place.path().join("p.csv");
         fs::write(&path, "t,u\n0,1\n1,1\n").unwrap();
-        let record = check(&path, &model).unwrap();
+        let source = TableSource::from(&path);
+        let record = check(&source, &model).unwrap();
         fs::write(&path, "t,u\n0,1\n1,fast\n").unwrap();
-        let mut points = Points::of_table(&path, record).unwrap();
+        let mut points = Points::of_table(source, record).unwrap();
         points.next().unwrap();
         let Err(said) = points.next() else {
             panic!("a word was taken for a number")

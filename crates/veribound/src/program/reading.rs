@@ -1,19 +1,17 @@
 //! Records that a run reads, and what is said of them.
 
 use super::arguments::Reading;
-use super::{message, progress};
-use std::fs;
-use std::path::Path;
-use veribound_data::{Record, RecordOptions};
+use super::message;
+use veribound_data::{Record, RecordOptions, TableSource};
 use veribound_model::diagnostic::Diagnostics;
 use veribound_model::{Coverage, Model};
 
-/// Opens a record as the flags say, with a bar for large ones.
+/// Opens a record as the flags say; tells `watch` how many bytes of it have been checked.
 pub fn open(
-    path: &Path,
+    source: TableSource,
     model: &Model,
     reading: &Reading,
-    quiet: bool,
+    watch: &mut dyn FnMut(u64),
 ) -> Result<Record, Diagnostics> {
     let columns = reading.column.iter();
     let options = RecordOptions {
@@ -24,12 +22,7 @@ pub fn open(
         from: reading.from.clone(),
         to: reading.to.clone(),
     };
-    let bytes = fs::metadata(path).map_or(0, |file| file.len());
-    let bar = progress::of_parts(bytes, "of the record checked", quiet);
-    let mut watch = |bytes| bar.set_position(bytes);
-    let record = Record::open_watched(path, model, options, &mut watch);
-    bar.finish_and_clear();
-    record
+    Record::open_watched(source, model, options, watch)
 }
 
 /// What a run with these records assumes beside the model file and the flags that weaken it.
@@ -68,27 +61,33 @@ pub fn remarks(records: &[Record], said: &[String], quiet: bool) {
             message::remark(&format!("note: {change}"));
         }
     }
-    if quiet {
-        return;
+    if !quiet {
+        let notes = notes(records);
+        notes
+            .iter()
+            .for_each(|note| message::remark(&format!("note: {note}")));
     }
+}
+
+/// What records have that results do not tell: missing values, columns that are not used, likely slips.
+pub fn notes(records: &[Record]) -> Vec<String> {
+    let mut notes = Vec::new();
     for record in records {
         let of = match records {
             [_] => String::new(),
             _ => format!("{}: ", record.path().display()),
         };
         if let Some(hint) = record.hint() {
-            message::remark(&format!("note: {of}{hint}"));
+            notes.push(format!("{of}{hint}"));
         }
         for (name, count) in record.missing() {
             let values = if *count == 1 { "value" } else { "values" };
-            message::remark(&format!("note: {of}{name}: {count} {values} missing"));
+            notes.push(format!("{of}{name}: {count} {values} missing"));
         }
         let ignored = record.ignored_columns();
         if !ignored.is_empty() {
-            message::remark(&format!(
-                "note: {of}columns not used: {}",
-                ignored.join(", ")
-            ));
+            notes.push(format!("{of}columns not used: {}", ignored.join(", ")));
         }
     }
+    notes
 }

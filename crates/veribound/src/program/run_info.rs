@@ -23,7 +23,7 @@ pub fn of(
     assumptions: &[String],
 ) -> RunInfo {
     RunInfo {
-        program: program(),
+        program: program(&arguments.words),
         platform: Platform::current(),
         model: FileInfo::of_text(&arguments.model, &model.source.text),
         record: Some(RecordInfo::of(record)),
@@ -62,7 +62,7 @@ pub fn of_enclosure(
     put("plane", Value::String(arguments.plane.to_string()));
     put("figures", formats(&arguments.showing.figures));
     RunInfo {
-        program: program(),
+        program: program(&arguments.words),
         platform: Platform::current(),
         model: FileInfo::of_text(&arguments.model, &model.source.text),
         record: None,
@@ -96,7 +96,7 @@ pub fn of_identification(
     }
     put("figures", formats(&arguments.showing.figures));
     RunInfo {
-        program: program(),
+        program: program(&arguments.words),
         platform: Platform::current(),
         model: FileInfo::of_text(&arguments.model, &model.source.text),
         record: None,
@@ -108,16 +108,20 @@ pub fn of_identification(
     }
 }
 
-/// The command line; the program may lie anywhere, and has the same name everywhere.
-fn program() -> Program {
-    let program = std::iter::once("veribound".to_owned());
-    let words = std::env::args_os().skip(1);
+/// The program and its command line.
+fn program(words: &[String]) -> Program {
     Program {
         version: env!("CARGO_PKG_VERSION").to_owned(),
-        command: program
-            .chain(words.map(|word| word.to_string_lossy().into_owned()))
-            .collect(),
+        command: words.to_vec(),
     }
+}
+
+/// The command line; the program may lie anywhere, and has the same name everywhere.
+pub fn typed() -> Vec<String> {
+    let program = std::iter::once("veribound".to_owned());
+    let words = std::env::args_os().skip(1);
+    let words = words.map(|word| word.to_string_lossy().into_owned());
+    program.chain(words).collect()
 }
 
 fn formats(list: &[Format]) -> Value {

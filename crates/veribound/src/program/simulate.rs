@@ -8,11 +8,11 @@ use super::message::{flag_problem, list, remark};
 use super::noise::{Noise, Written};
 use super::profile::{Profile, Stretch};
 use super::{Outcome, numbers, overwriting, progress};
+use crate::{Simulation, Stopped};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
-use veribound::{Simulation, Stopped};
-use veribound_data::{ResultFile, ResultFolder};
+use veribound_data::{ResultFile, ResultFolder, TableSource};
 use veribound_interval::{Decimal, Interval, round};
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
 use veribound_model::{ErrorBound, ExprId, Model, Output, Var};
@@ -35,67 +35,117 @@ pub fn run(arguments: &Simulate) -> Outcome {
     files.extend(profile.map(|path| ("the profile", path)));
     overwriting::refuse_record(&arguments.output, &files)?;
     let model = Model::from_file(&arguments.model)?;
-    let params = params(&model, &arguments.params)?;
-    let start = start(&model, &arguments.start)?;
-    let changes = changes(&model, &arguments.change)?;
-    outside_the_prior(&model, &params, &changes);
-    let mut profile = Profile::open(&arguments.times, &model)?;
+    let source = arguments.times.input.as_ref().map(TableSource::from);
+    let mut prepared = Prepared::new(arguments, &model, source)?;
+    prepared.notes.iter().for_each(|note| remark(note));
     let interrupt = Interrupt::listen();
     let mut file = create(&arguments.output)?;
-    let disturbances = disturbances(&model, &arguments.disturbance)?;
-    let mut simulation = Simulation::new(&model, &params, &start, arguments.steps);
-    let mut noise = Noise::new(arguments.seed, arguments.decimals);
-    let mut open = changes.into_iter().peekable();
     let bar = progress::of_parts(progress::PARTS, "simulated", false);
-    let mut text = header(arguments, &model);
-    let mut samples = 0;
-    while let Some(stretch) = profile.next()? {
-        if interrupt.is_asked() {
-            bar.finish_and_clear();
-            remark("interrupted: no record is written");
-            return Ok(Ending::Interrupted);
-        }
-        let Stretch {
-            time,
-            texts,
-            mut inputs,
-            to_next,
-        } = stretch;
-        inputs.extend(&disturbances);
-        while let Some(change) = open.next_if(|change| change.time <= time) {
-            simulation.change(change.param, change.value.to_interval());
-        }
-        let now = Now {
-            model: &model,
-            simulation: &simulation,
-            inputs: &inputs,
-        };
-        now.write(
-            &mut text,
-            (&time, &texts),
-            arguments.error.as_ref(),
-            &mut noise,
-        )?;
-        file.write_all(text.as_bytes())
-            .map_err(|error| file.refuse(&error))?;
-        text.clear();
-        samples += 1;
-        bar.set_position(profile.part_at(&time));
-        if let Some(dt) = to_next {
-            simulation
-                .advance(&inputs, dt.to_interval())
-                .map_err(|stopped| too_wide(&time, &stopped))?;
-        }
-    }
-    file.write_all(text.as_bytes())
-        .map_err(|error| file.refuse(&error))?;
-    file.finish()?.put_in_place()?;
+    let mut take = |text: &str| {
+        let written = file.write_all(text.as_bytes());
+        written.map_err(|error| file.refuse(&error))
+    };
+    let go_on = |part| {
+        bar.set_position(part);
+        !interrupt.is_asked()
+    };
+    let samples = prepared.carry_out(arguments, &mut take, &go_on)?;
     bar.finish_and_clear();
+    let Some(samples) = samples else {
+        remark("interrupted: no record is written");
+        return Ok(Ending::Interrupted);
+    };
+    file.finish()?.put_in_place()?;
     remark(&format!(
         "  {samples} samples in {}",
         arguments.output.display()
     ));
     Ok(Ending::Done)
+}
+
+/// What a simulation works on, all of it checked.
+pub struct Prepared<'m> {
+    model: &'m Model,
+    params: Vec<Interval>,
+    start: Vec<Interval>,
+    disturbances: Vec<Interval>,
+    changes: Vec<Change>,
+    profile: Profile,
+    /// What the user should know: values outside of the prior.
+    pub notes: Vec<String>,
+}
+
+impl<'m> Prepared<'m> {
+    /// Checks values and profile.
+    pub fn new(
+        arguments: &Simulate,
+        model: &'m Model,
+        inputs: Option<TableSource>,
+    ) -> Result<Prepared<'m>, Diagnostics> {
+        let params = params(model, &arguments.params)?;
+        let changes = changes(model, &arguments.change)?;
+        Ok(Prepared {
+            start: start(model, &arguments.start)?,
+            disturbances: disturbances(model, &arguments.disturbance)?,
+            notes: outside_the_prior(model, &params, &changes),
+            profile: Profile::of(&arguments.times, inputs, model)?,
+            model,
+            params,
+            changes,
+        })
+    }
+
+    /// Gives the lines of the record to `take`, as long as `go_on` says so, which is told how many parts of
+    /// [`progress::PARTS`] are done; the number of samples, or nothing where it was ended.
+    pub fn carry_out(
+        &mut self,
+        arguments: &Simulate,
+        take: &mut dyn FnMut(&str) -> Result<(), Diagnostic>,
+        go_on: &dyn Fn(u64) -> bool,
+    ) -> Result<Option<usize>, Diagnostics> {
+        let model = self.model;
+        let mut simulation = Simulation::new(model, &self.params, &self.start, arguments.steps);
+        let mut noise = Noise::new(arguments.seed, arguments.decimals);
+        let mut open = self.changes.iter().peekable();
+        let mut text = header(arguments, model);
+        let mut samples = 0;
+        while let Some(stretch) = self.profile.next()? {
+            let Stretch {
+                time,
+                texts,
+                mut inputs,
+                to_next,
+            } = stretch;
+            if !go_on(self.profile.part_at(&time)) {
+                return Ok(None);
+            }
+            inputs.extend(&self.disturbances);
+            while let Some(change) = open.next_if(|change| change.time <= time) {
+                simulation.change(change.param, change.value.to_interval());
+            }
+            let now = Now {
+                model,
+                simulation: &simulation,
+                inputs: &inputs,
+            };
+            now.write(
+                &mut text,
+                (&time, &texts),
+                arguments.error.as_ref(),
+                &mut noise,
+            )?;
+            take(&text)?;
+            text.clear();
+            samples += 1;
+            if let Some(dt) = to_next {
+                simulation
+                    .advance(&inputs, dt.to_interval())
+                    .map_err(|stopped| too_wide(&time, &stopped))?;
+            }
+        }
+        take(&text)?;
+        Ok(Some(samples))
+    }
 }
 
 /// What is known at one sample.
@@ -432,7 +482,8 @@ fn create(path: &Path) -> Result<ResultFile, Diagnostic> {
 }
 
 /// Says which values no observation with the priors of the model file can find.
-fn outside_the_prior(model: &Model, params: &[Interval], changes: &[Change]) {
+fn outside_the_prior(model: &Model, params: &[Interval], changes: &[Change]) -> Vec<String> {
+    let mut notes = Vec::new();
     let given = params.iter().copied().enumerate();
     let changed = changes
         .iter()
@@ -442,7 +493,7 @@ fn outside_the_prior(model: &Model, params: &[Interval], changes: &[Change]) {
             continue;
         };
         if !value.is_subset_of(param.bounds) {
-            remark(&format!(
+            notes.push(format!(
                 "note: {} = {} lies outside its prior {}",
                 param.name,
                 numbers::show(value),
@@ -450,6 +501,7 @@ fn outside_the_prior(model: &Model, params: &[Interval], changes: &[Change]) {
             ));
         }
     }
+    notes
 }
 
 fn too_wide(time: &Decimal, stopped: &Stopped) -> Diagnostic {

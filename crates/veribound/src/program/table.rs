@@ -9,13 +9,8 @@ use veribound_data::Record;
 use veribound_interval::Interval;
 use veribound_model::Model;
 
-/// Verdict, work, and one line per parameter.
-pub fn of(
-    model: &Model,
-    record: &Record,
-    found: &Findings,
-    (folder, figures): (&Path, bool),
-) -> String {
+/// Verdict, work, and one line per parameter and state.
+pub fn bounds(model: &Model, record: &Record, found: &Findings) -> String {
     let mut out = String::new();
     let verdict = match (found.ending, &found.last) {
         (Ending::Inconsistent, _) => "inconsistent (proved)",
@@ -63,6 +58,18 @@ pub fn of(
         }
         push_rows(&mut out, &rows);
     }
+    out
+}
+
+/// The same, and where the results are.
+pub fn of(
+    model: &Model,
+    record: &Record,
+    found: &Findings,
+    (folder, figures): (&Path, bool),
+) -> String {
+    let mut out = bounds(model, record, found);
+    // Writing to a String cannot fail.
     let figures = if figures { ", figures in fig/" } else { "" };
     let _ = writeln!(
         out,

@@ -4,8 +4,6 @@ use super::ending::Ending;
 use super::message;
 use super::numbers::show;
 use super::observe::Findings;
-use std::fs::File;
-use std::io::{BufRead, BufReader};
 use std::sync::Arc;
 use veribound_data::{Kind, Record, Verdict};
 use veribound_estimate::{Contradiction, Refutation, Undecided};
@@ -108,27 +106,33 @@ fn told<'m>(model: &'m Model, refutation: &Refutation) -> Told<'m> {
     }
 }
 
+/// Why a run did not end consistent.
+pub fn problem(model: &Model, record: &Record, found: &Findings) -> Option<Diagnostic> {
+    let refutation = found.refutation.as_ref();
+    let undecided = found.undecided.as_ref();
+    refutation
+        .map(|refutation| refuted(model, record, refutation))
+        .or_else(|| undecided.map(|undecided| not_decided(model, record, undecided)))
+}
+
 /// Tells on stderr why a run did not end consistent.
 pub fn explain(model: &Model, record: &Record, found: &Findings, at_length: bool) {
-    if let Some(refutation) = &found.refutation {
-        message::complain(&refuted(model, record, refutation).into());
-    }
-    if let Some(undecided) = &found.undecided {
-        message::complain(&not_decided(model, record, undecided).into());
+    if let Some(problem) = problem(model, record, found) {
+        message::complain(&problem.into());
     }
     if found.ending == Ending::Interrupted && at_length {
         message::remark("interrupted: the files are complete up to the last sample");
     }
 }
 
-/// The message of a proved contradiction.
-fn refuted(model: &Model, record: &Record, refutation: &Refutation) -> Diagnostic {
+/// What contradicts what at the sample that refutes, in one sentence.
+pub fn refuted_at(model: &Model, refutation: &Refutation) -> String {
     let Told {
-        name,
         unit,
         enclosure,
         allowed,
         subject,
+        ..
     } = told(model, refutation);
     let unit = if unit.is_empty() {
         String::new()
@@ -141,12 +145,18 @@ fn refuted(model: &Model, record: &Record, refutation: &Refutation) -> Diagnosti
         Contradiction::Signal { .. } => "the signal allows",
         Contradiction::Motion { .. } => "how far the measurements say it moved allows",
     };
-    let label = format!(
+    format!(
         "t = {} s: the enclosure of {subject} is {}{unit}; {who} {}{unit}: gap {gap}{unit}",
         refutation.time,
         show(enclosure),
         show(allowed),
-    );
+    )
+}
+
+/// The message of a proved contradiction.
+fn refuted(model: &Model, record: &Record, refutation: &Refutation) -> Diagnostic {
+    let name = told(model, refutation).name;
+    let label = refuted_at(model, refutation);
     let help = match &refutation.contradiction {
         Contradiction::Output { .. } if refutation.sample == 0 => format!(
             "no parameter has acted yet: check `init` in the model file, and that `{name}` is recorded in \
@@ -173,14 +183,19 @@ fn refuted(model: &Model, record: &Record, refutation: &Refutation) -> Diagnosti
     .help(help)
 }
 
-/// The message of a run that stopped without a proof.
-fn not_decided(model: &Model, record: &Record, undecided: &Undecided) -> Diagnostic {
+/// What could not be proved, and on which box, in one sentence.
+pub fn not_decided_at(model: &Model, undecided: &Undecided) -> String {
     let boxed = model.states.iter().map(|state| state.name.as_str());
     let boxed = boxed.chain(model.params.iter().map(|param| param.name.as_str()));
     let cell: Vec<String> = boxed
         .zip(&undecided.cell)
         .map(|(name, x)| format!("{name} {}", show(*x)))
         .collect();
+    format!("{} on the box {}", why(model, undecided), cell.join(", "))
+}
+
+/// The message of a run that stopped without a proof.
+fn not_decided(model: &Model, record: &Record, undecided: &Undecided) -> Diagnostic {
     let help = match undecided.reason {
         StepFailure::Apriori(AprioriFailure::Undefined { .. }) => {
             "narrow the priors or start intervals so that every function is defined on them"
@@ -195,7 +210,7 @@ fn not_decided(model: &Model, record: &Record, undecided: &Undecided) -> Diagnos
                 .to_owned()
         }
     };
-    let label = format!("{} on the box {}", why(model, undecided), cell.join(", "));
+    let label = not_decided_at(model, undecided);
     at_line(
         Diagnostic::new("E0302", stopped(undecided)),
         record,
@@ -205,7 +220,8 @@ fn not_decided(model: &Model, record: &Record, undecided: &Undecided) -> Diagnos
     .help(help)
 }
 
-fn stopped(undecided: &Undecided) -> String {
+/// That a run stopped, and where.
+pub fn stopped(undecided: &Undecided) -> String {
     format!(
         "nothing could be proved about the step to t = {} s",
         undecided.time
@@ -245,11 +261,7 @@ fn why(model: &Model, undecided: &Undecided) -> String {
 /// Shows the line of the record; without it where it cannot be read again.
 pub fn at_line(problem: Diagnostic, record: &Record, number: usize, label: String) -> Diagnostic {
     let name = record.path().display().to_string();
-    let line = File::open(record.path())
-        .ok()
-        .and_then(|file| BufReader::new(file).lines().nth(number.saturating_sub(1)))
-        .and_then(Result::ok)
-        .unwrap_or_default();
+    let line = record.line(number);
     let end = line.len();
     problem.at(
         &Arc::new(SourceText::excerpt(name, line, number)),

@@ -55,17 +55,22 @@ fn position_and_rate(model: &Model) -> Plane {
 }
 
 /// What is proved at one row of the table, and since the row before.
-struct Row<'f> {
-    states: &'f [Interval],
-    outputs: Vec<Interval>,
-    states_since: &'f [Interval],
-    outputs_since: Vec<Interval>,
-    modes: ModeSet,
+pub struct Row<'f> {
+    /// States now.
+    pub states: &'f [Interval],
+    /// Outputs now.
+    pub outputs: Vec<Interval>,
+    /// States at all times since the row before.
+    pub states_since: &'f [Interval],
+    /// Outputs at all times since the row before.
+    pub outputs_since: Vec<Interval>,
+    /// Modes that may have acted since the row before.
+    pub modes: ModeSet,
 }
 
 impl Findings {
     /// The start of all parts together.
-    fn start(&self) -> Vec<Interval> {
+    pub fn start(&self) -> Vec<Interval> {
         let mut parts = self.enclosure.parts.iter().map(|part| part.states.clone());
         let first = parts.next().unwrap_or_default();
         parts.fold(first, |hull, part| {
@@ -73,7 +78,8 @@ impl Findings {
         })
     }
 
-    fn row<'f>(&'f self, start: &'f [Interval], row: usize) -> Row<'f> {
+    /// What is proved at a row; `start` is that of all parts together.
+    pub fn row<'f>(&'f self, start: &'f [Interval], row: usize) -> Row<'f> {
         let found = &self.enclosure;
         let now = found.outputs.get(row).cloned().unwrap_or_default();
         let Some(last) = row.checked_sub(1) else {

@@ -1,8 +1,8 @@
 //! `veribound enclose`: bounds of all solutions of a model, without a record.
 
 mod diagnosis;
-mod files;
-mod told;
+pub mod files;
+pub mod told;
 mod trajectories;
 
 use super::arguments::{Enclose, Format};
@@ -12,12 +12,14 @@ use super::message::{remark, say};
 use super::profile::{Profile, Stretch};
 use super::{Outcome, engine, overwriting, progress, run_info};
 use diagnosis::{Cause, PastUse};
+use std::cell::Cell;
 use std::time::Instant;
 use trajectories::Drawn;
-use veribound_data::{RecordInfo, ResultFolder};
+use veribound_data::{EnclosureSummary, RecordInfo, ResultFolder, TableSource};
 use veribound_flow::engine::{Engines, Task};
 use veribound_flow::form::{self, Effort, Enclosure, FormOptions, Standing};
 use veribound_interval::{Decimal, Interval};
+use veribound_model::diagnostic::{Diagnostic, Diagnostics};
 use veribound_model::{Coverage, Model};
 
 /// The times of the table, and what holds from each to the next.
@@ -52,60 +54,153 @@ pub struct Findings {
     pub ending: Ending,
 }
 
+/// What a run works on, all of it checked.
+pub struct Prepared {
+    /// The model.
+    pub model: Model,
+    /// What is assumed beside the model file, in sentences.
+    pub said: Vec<String>,
+    course: Course,
+    plane: files::Plane,
+}
+
+/// A run that is done.
+pub struct Done {
+    /// The model.
+    pub model: Model,
+    /// The times that are proved.
+    pub times: Vec<Decimal>,
+    /// What it came to.
+    pub found: Findings,
+    /// What is told of it.
+    pub summary: EnclosureSummary,
+}
+
 /// Encloses, and writes as much as is proved.
 pub fn run(arguments: &Enclose) -> Outcome {
     // [1/4] Input: flags, model, profile.
-    arguments.showing.refuse()?;
-    let mut files = vec![("the model file", arguments.model.as_path())];
-    let profile = arguments.times.input.as_deref();
-    files.extend(profile.map(|path| ("the profile", path)));
-    overwriting::refuse_results(&arguments.output, &files, &[])?;
+    refuse_flags(arguments)?;
     let model = Model::from_file(&arguments.model)?;
-    let plane = files::plane(&model, &arguments.plane)?;
-    let course = course(arguments, &model)?;
-    let mut said = Vec::new();
-    if let Coverage::Unproved(place) = &model.coverage {
-        said.push(format!(
-            "the guards of the modes leave no gap, which is not proved: {place}"
-        ));
-    }
+    let source = arguments.times.input.as_ref().map(TableSource::from);
+    let prepared = Prepared::new(arguments, model, source)?;
     if !arguments.showing.quiet {
-        said.iter()
-            .for_each(|note| remark(&format!("note: {note}")));
+        let said = prepared.said.iter();
+        said.for_each(|note| remark(&format!("note: {note}")));
     }
-    let folder = ResultFolder::create(&arguments.output)?;
 
-    // [2/4] The enclosure, and true trajectories in it.
+    // [2/4] and [3/4] The enclosure, true trajectories in it, and the files.
     let interrupt = Interrupt::listen();
-    let found = enclose(arguments, &model, &course, &interrupt)?;
-
-    // [3/4] The files.
-    let times = course.times.get(..found.rows).unwrap_or_default();
-    let summary = told::summary(&model, times, &found, said.clone());
-    let json = summary.to_json()?;
-    let info = run_info::of_enclosure(arguments, &model, course.profile.clone(), &said);
-    files::write(
-        (&folder, &arguments.showing.figures, plane),
-        &model,
-        (times, &found),
-        (&info, &json),
-    )?;
+    let bar = progress::of_standing(arguments.showing.quiet);
+    let first = prepared.first();
+    let done = prepared.carry_out(arguments, true, &|standing| {
+        bar.set_message(in_words(standing, first));
+        bar.tick();
+        !interrupt.is_asked()
+    });
+    bar.finish_and_clear();
+    let Done {
+        model,
+        times,
+        found,
+        summary,
+    } = done?;
 
     // [4/4] What the user is told.
-    told::explain(&model, times, &found);
+    told::explain(&model, &times, &found);
     if arguments.showing.json {
-        say(&json);
+        say(&summary.to_json()?);
     } else if !arguments.showing.quiet {
         let figures = !arguments.showing.figures.contains(&Format::None);
         let place = (arguments.output.as_path(), figures);
-        say(&told::table(&model, times, (&found, &summary), place));
+        say(&told::table(&model, &times, (&found, &summary), place));
     }
     Ok(found.ending)
 }
 
+/// Refuses what no run could do, and results in the place of what the run reads.
+pub fn refuse_flags(arguments: &Enclose) -> Result<(), Diagnostic> {
+    arguments.showing.refuse()?;
+    let mut files = vec![("the model file", arguments.model.as_path())];
+    let profile = arguments.times.input.as_deref();
+    files.extend(profile.map(|path| ("the profile", path)));
+    overwriting::refuse_results(&arguments.output, &files, &[])
+}
+
+/// Where a run stands, in one line; `first` is the time of its start.
+pub fn in_words(standing: Standing, first: f64) -> String {
+    let time = first + standing.reached;
+    let (part, parts) = (standing.done + 1, standing.done + standing.waiting + 1);
+    format!("at {time:.4} s, part {part} of {parts}")
+}
+
+impl Prepared {
+    /// Checks flags and profile.
+    pub fn new(
+        arguments: &Enclose,
+        model: Model,
+        inputs: Option<TableSource>,
+    ) -> Result<Prepared, Diagnostics> {
+        let plane = files::plane(&model, &arguments.plane)?;
+        let course = course(Profile::of(&arguments.times, inputs, &model)?, &model)?;
+        let mut said = Vec::new();
+        if let Coverage::Unproved(place) = &model.coverage {
+            said.push(format!(
+                "the guards of the modes leave no gap, which is not proved: {place}"
+            ));
+        }
+        Ok(Prepared {
+            model,
+            said,
+            course,
+            plane,
+        })
+    }
+
+    /// The time of the start, in seconds.
+    pub fn first(&self) -> f64 {
+        let first = self.course.times.first();
+        first.map_or(0.0, |t| t.to_interval().mid())
+    }
+
+    /// Encloses, as long as `go_on` says so, and writes the files if they are wanted.
+    pub fn carry_out(
+        self,
+        arguments: &Enclose,
+        wants_files: bool,
+        go_on: &dyn Fn(Standing) -> bool,
+    ) -> Result<Done, Diagnostics> {
+        let Prepared {
+            model,
+            said,
+            course,
+            plane,
+        } = self;
+        let folder = wants_files.then(|| ResultFolder::create(&arguments.output));
+        let folder = folder.transpose()?;
+        let found = enclose(arguments, &model, &course, go_on)?;
+        let mut times = course.times;
+        times.truncate(found.rows);
+        let summary = told::summary(&model, &times, &found, said.clone());
+        if let Some(folder) = folder {
+            let info = run_info::of_enclosure(arguments, &model, course.profile, &said);
+            files::write(
+                (&folder, &arguments.showing.figures, plane),
+                &model,
+                (&times, &found),
+                (&info, &summary.to_json()?),
+            )?;
+        }
+        Ok(Done {
+            model,
+            times,
+            found,
+            summary,
+        })
+    }
+}
+
 /// The times of the rows, and what holds between them.
-fn course(arguments: &Enclose, model: &Model) -> Result<Course, veribound_model::Diagnostics> {
-    let mut profile = Profile::open(&arguments.times, model)?;
+fn course(mut profile: Profile, model: &Model) -> Result<Course, Diagnostic> {
     let mut course = Course {
         times: Vec::new(),
         stretches: Vec::new(),
@@ -135,22 +230,19 @@ fn enclose(
     arguments: &Enclose,
     model: &Model,
     course: &Course,
-    interrupt: &Interrupt,
-) -> Result<Findings, veribound_model::Diagnostics> {
+    go_on: &dyn Fn(Standing) -> bool,
+) -> Result<Findings, Diagnostics> {
     let start: Vec<Interval> = model.states.iter().map(|state| state.init).collect();
     let params: Vec<Interval> = model.params.iter().map(|param| param.bounds).collect();
     let effort = Effort {
         parts: arguments.parts,
         ..Effort::default()
     };
-    let bar = progress::of_standing(arguments.showing.quiet);
-    let first = course.times.first().map_or(0.0, |t| t.to_interval().mid());
+    let is_interrupted = Cell::new(false);
     let go_on = |standing: Standing| {
-        let time = first + standing.reached;
-        let (part, parts) = (standing.done + 1, standing.done + standing.waiting + 1);
-        bar.set_message(format!("at {time:.4} s, part {part} of {parts}"));
-        bar.tick();
-        !interrupt.is_asked()
+        let goes_on = go_on(standing);
+        is_interrupted.set(!goes_on);
+        goes_on
     };
     let begin = Instant::now();
     let task = Task {
@@ -164,10 +256,10 @@ fn enclose(
     let engine = engine::told(model, &answer);
     let enclosure = answer.enclosure;
     let seconds = begin.elapsed().as_secs_f64();
-    bar.finish_and_clear();
+    let is_interrupted = is_interrupted.get();
     let rows = course.times.len().min(enclosure.ends.len() + 1);
     let ending = match &enclosure.stopped {
-        _ if interrupt.is_asked() => Ending::Interrupted,
+        _ if is_interrupted => Ending::Interrupted,
         Some(_) if rows < course.times.len() => Ending::Undecided,
         _ => Ending::Done,
     };

@@ -109,20 +109,27 @@ fn term(model: &Model, cause: &Cause) -> String {
     })
 }
 
-/// Why the run ended early, and which widths are past use.
+/// Tells on stderr why the run ended early, and which widths are past use.
 pub fn explain(model: &Model, times: &[Decimal], found: &Findings) {
+    let remarks = remarks(model, times, found);
+    remarks.iter().for_each(|told| remark(told));
+}
+
+/// Why the run ended early, and which widths are past use.
+pub fn remarks(model: &Model, times: &[Decimal], found: &Findings) -> Vec<String> {
+    let mut said = Vec::new();
     let kept = match times {
         [_, .., last] => format!("The results end at t = {last} s."),
         _ => "Nothing is proved beyond the start.".to_owned(),
     };
     match found.ending {
-        Ending::Interrupted => remark(&format!("interrupted. {kept}")),
+        Ending::Interrupted => said.push(format!("interrupted. {kept}")),
         Ending::Undecided => {
             let reached = found.enclosure.stopped.as_ref();
             let reached = reached.map_or(0.0, |stopped| stopped.reached.lo());
             let reason = reason(model, found).unwrap_or_default();
             let remedy = found.obstacle.as_ref().map_or("", |cause| &cause.remedy);
-            remark(&format!(
+            said.push(format!(
                 "undecided after {reached:.6} s: {reason}. {kept} Try {remedy}."
             ));
         }
@@ -142,7 +149,7 @@ pub fn explain(model: &Model, times: &[Decimal], found: &Findings) {
     earliest.sort_by(|a, b| a.since.cmp(&b.since));
     earliest.sort_by_key(|past| follows(&past.cause));
     let Some(first) = earliest.first() else {
-        return;
+        return said;
     };
     let others: Vec<&str> = earliest
         .iter()
@@ -154,21 +161,21 @@ pub fn explain(model: &Model, times: &[Decimal], found: &Findings) {
     } else {
         format!("; then those of {}", list(others))
     };
-    remark(&format!(
+    said.push(format!(
         "warning: the width of `{}` grew past use from t = {} s on{}{others}. Try {}.",
         name(first.cause.state),
         first.since,
         term(model, &first.cause),
         first.cause.remedy
     ));
+    said
 }
 
 /// Verdict, work, and one line per state and output.
-pub fn table(
+pub fn bounds(
     model: &Model,
     times: &[Decimal],
     (found, summary): (&Findings, &EnclosureSummary),
-    (folder, figures): (&Path, bool),
 ) -> String {
     let mut out = String::new();
     let time = times.last().map_or_else(String::new, Decimal::to_string);
@@ -229,6 +236,18 @@ pub fn table(
             counts.comparisons
         );
     }
+    out
+}
+
+/// The same, and where the results are.
+pub fn table(
+    model: &Model,
+    times: &[Decimal],
+    both: (&Findings, &EnclosureSummary),
+    (folder, figures): (&Path, bool),
+) -> String {
+    let mut out = bounds(model, times, both);
+    // Writing to a String cannot fail.
     let figures = if figures { ", figures in fig/" } else { "" };
     let _ = writeln!(
         out,

@@ -2,7 +2,7 @@
 
 use super::super::noise::Noise;
 use super::Course;
-use veribound::Simulation;
+use crate::Simulation;
 use veribound_data::Trajectories;
 use veribound_flow::form::Enclosure;
 use veribound_interval::{Decimal, Interval};

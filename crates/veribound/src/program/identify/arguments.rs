@@ -10,6 +10,9 @@ use veribound_estimate::identify::IdentifyOptions;
 /// Flags of `veribound identify`.
 #[derive(Debug, Args)]
 pub struct Identify {
+    /// What was typed, word by word.
+    #[arg(skip = super::super::run_info::typed())]
+    pub words: Vec<String>,
     /// Model file (TOML)
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
@@ -49,6 +52,14 @@ pub struct Identify {
     #[arg(short = 'j', long, value_name = "N", value_parser = count(1), help_heading = "Method")]
     pub threads: Option<usize>,
 
+    /// Memory in MiB for sets and tiles, beside those in work; nothing is divided further when it is taken
+    #[arg(long, value_name = "MIB", value_parser = count(1), help_heading = "Method")]
+    pub memory: Option<usize>,
+    /// Go on where an earlier run with the same flags was ended by force or by Ctrl-C, from the
+    /// checkpoint in the folder of the results; the result is that of a run that was never ended
+    #[arg(long, help_heading = "Method")]
+    pub resume: bool,
+
     /// What the run shows.
     #[command(flatten)]
     pub showing: Shown,
@@ -64,6 +75,9 @@ impl Identify {
             undecided: self.paving.as_ref().map(|share| share.0.to_interval().lo()),
             sets: self.sets,
             threads: self.threads.unwrap_or_else(machine),
+            memory: self
+                .memory
+                .map_or(usize::MAX, |mib| mib.saturating_mul(1 << 20)),
         }
     }
 }
@@ -92,17 +106,21 @@ mod tests {
 
     #[test]
     fn flags_mean_what_they_say() {
-        let more = "--paving 1% --tightness 1.2 --sets 7 --threads 3 --from 1 --until 2";
+        let more = "--paving 1% --tightness 1.2 --sets 7 --threads 3 --memory 5 --from 1 --until 2";
         let identify = parse(more);
         let options = IdentifyOptions {
             tightness: 1.2,
             undecided: Some(0.01_f64.next_down()),
             sets: 7,
             threads: 3,
+            memory: 5 << 20,
         };
         let found = identify.options();
         assert_eq!((found.sets, found.threads), (options.sets, options.threads));
-        assert_eq!(found.tightness, options.tightness);
+        assert_eq!(
+            (found.tightness, found.memory),
+            (options.tightness, options.memory)
+        );
         let share = found.undecided.unwrap();
         assert!(share <= 0.01 && share > 0.009_999_999);
         let last = identify.reading.to.as_ref().unwrap();

@@ -56,7 +56,8 @@ fn paving(
     table.finish()
 }
 
-fn name(status: Status) -> &'static str {
+/// The name of a status in results.
+pub fn name(status: Status) -> &'static str {
     match status {
         Status::Inside => "inside",
         Status::Outside => "outside",
@@ -65,7 +66,7 @@ fn name(status: Status) -> &'static str {
 }
 
 /// Why a tile has its status.
-fn reason(data: &Data, reason: &Reason) -> String {
+pub fn reason(data: &Data, reason: &Reason) -> String {
     let of = |record: usize| match data.records.len() {
         1 => String::new(),
         _ => format!(" of {}", data.name(record)),

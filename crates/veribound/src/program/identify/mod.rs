@@ -1,21 +1,25 @@
 //! `veribound identify`: what whole records leave of the parameters, proved from both sides.
 
 pub mod arguments;
-mod files;
-mod told;
-mod verdict;
+mod checkpoint;
+pub mod files;
+pub mod told;
+pub mod verdict;
 
-use super::arguments::Format;
+use super::arguments::{Format, Reading};
 use super::ending::Ending;
 use super::interrupt::Interrupt;
 use super::message::say;
 use super::numbers::show_times;
 use super::{Outcome, assumptions, overwriting, progress, reading, run_info};
 use arguments::Identify;
+use checkpoint::Checkpoint;
+use indicatif::ProgressBar;
 use std::time::Instant;
-use veribound_data::{Record, ResultFolder};
+use veribound_data::{Record, ResultFolder, TableSource};
 use veribound_estimate::identify::{
-    Bounds, Conclusion, Identified, LeastError, Progress, identify, least_error,
+    Bounds, Checkpoints, Conclusion, Identified, LeastError, Progress, Unreadable, least_error,
+    resume,
 };
 use veribound_interval::Interval;
 use veribound_interval::text::upper;
@@ -42,30 +46,55 @@ pub struct Findings {
     pub ending: Ending,
 }
 
+/// What a run works on, all of it checked.
+pub struct Prepared {
+    /// The model, weakened as the flags say.
+    pub model: Model,
+    /// The records.
+    pub data: Data,
+    /// What is assumed beside the model file, in sentences.
+    pub said: Vec<String>,
+}
+
+/// A run that is done.
+pub struct Done {
+    /// The model, weakened as the flags say.
+    pub model: Model,
+    /// The records.
+    pub data: Data,
+    /// What it came to.
+    pub found: Findings,
+    /// `summary.json`.
+    pub json: String,
+}
+
 /// Identifies. Everything that can be wrong with the input is found before anything is written.
 pub fn run(arguments: &Identify) -> Outcome {
     // [1/4] Input: flags, model, records.
     refuse_flags(arguments)?;
     let quiet = arguments.showing.quiet;
-    let mut model = Model::from_file(&arguments.model)?;
-    let mut said = assumptions::weaken(&mut model, &arguments.weakening)?;
-    let data = Data::read(arguments, &model)?;
-    said.extend(reading::assumed(&model, &data.records, &arguments.reading));
-    reading::remarks(&data.records, &said, quiet);
-    let folder = ResultFolder::create(&arguments.output)?;
+    let model = Model::from_file(&arguments.model)?;
+    let sources = arguments.records.iter().map(TableSource::from);
+    let prepared = Prepared::new(arguments, model, sources.collect(), &mut |source| {
+        progress::of_parts(source.bytes(), "of the record checked", quiet)
+    })?;
+    reading::remarks(&prepared.data.records, &prepared.said, quiet);
 
-    // [2/4] The identification.
-    let found = find(&model, &data, arguments, quiet);
-
-    // [3/4] The files.
-    let summary = told::summary(&model, &data, &found, said.clone());
-    let json = summary.to_json()?;
-    let info = run_info::of_identification(arguments, (&model, &data.records), &said);
-    files::write(
-        (&folder, &arguments.showing.figures),
-        (&model, &data, &found),
-        (&info, &json),
-    )?;
+    // [2/4] and [3/4] The identification and its files.
+    let interrupt = Interrupt::listen();
+    let bar = progress::of_standing(quiet);
+    let done = prepared.carry_out(arguments, true, &|standing| {
+        bar.set_message(in_words(standing));
+        bar.tick();
+        !interrupt.is_asked()
+    });
+    bar.finish_and_clear();
+    let Done {
+        model,
+        data,
+        found,
+        json,
+    } = done?;
 
     // [4/4] What the user is told.
     verdict::explain(&model, &data, &found, !quiet);
@@ -79,8 +108,58 @@ pub fn run(arguments: &Identify) -> Outcome {
     Ok(found.ending)
 }
 
+impl Prepared {
+    /// Checks flags and records; `bar` gives a bar for the check of each.
+    pub fn new(
+        arguments: &Identify,
+        mut model: Model,
+        sources: Vec<TableSource>,
+        bar: &mut dyn FnMut(&TableSource) -> ProgressBar,
+    ) -> Result<Prepared, Diagnostics> {
+        let mut said = assumptions::weaken(&mut model, &arguments.weakening)?;
+        let data = Data::read(sources, &model, &arguments.reading, bar)?;
+        said.extend(reading::assumed(&model, &data.records, &arguments.reading));
+        Ok(Prepared { model, data, said })
+    }
+
+    /// Lets the estimator work, as long as `go_on` says so, and writes the files if they are wanted.
+    pub fn carry_out(
+        self,
+        arguments: &Identify,
+        wants_files: bool,
+        go_on: &(dyn Fn(&Progress) -> bool + Sync),
+    ) -> Result<Done, Diagnostics> {
+        let Prepared { model, data, said } = self;
+        let folder = wants_files.then(|| ResultFolder::create(&arguments.output));
+        let folder = folder.transpose()?;
+        let checkpoint = folder
+            .as_ref()
+            .map(|folder| Checkpoint::new(folder, arguments, &model, &data));
+        let found = find((&model, &data), arguments, checkpoint.as_ref(), go_on)?;
+        let json = told::summary(&model, &data, &found, said.clone()).to_json()?;
+        if let Some(folder) = &folder {
+            let info = run_info::of_identification(arguments, (&model, &data.records), &said);
+            files::write(
+                (folder, &arguments.showing.figures),
+                (&model, &data, &found),
+                (&info, &json),
+            )?;
+        }
+        // A run that was interrupted can go on.
+        if let Some(checkpoint) = checkpoint.filter(|_| !found.identified.interrupted) {
+            checkpoint.remove();
+        }
+        Ok(Done {
+            model,
+            data,
+            found,
+            json,
+        })
+    }
+}
+
 /// Refuses what no run could do, and results in the place of what the run reads.
-fn refuse_flags(arguments: &Identify) -> Result<(), Diagnostic> {
+pub fn refuse_flags(arguments: &Identify) -> Result<(), Diagnostic> {
     arguments.showing.refuse()?;
     let records = arguments.records.iter();
     let mut files = vec![("the model file", arguments.model.as_path())];
@@ -89,11 +168,21 @@ fn refuse_flags(arguments: &Identify) -> Result<(), Diagnostic> {
 }
 
 impl Data {
-    fn read(arguments: &Identify, model: &Model) -> Result<Data, Diagnostics> {
-        let (reading, quiet) = (&arguments.reading, arguments.showing.quiet);
-        let records = arguments.records.iter();
-        let records: Vec<Record> = records
-            .map(|path| reading::open(path, model, reading, quiet))
+    fn read(
+        sources: Vec<TableSource>,
+        model: &Model,
+        reading: &Reading,
+        bar: &mut dyn FnMut(&TableSource) -> ProgressBar,
+    ) -> Result<Data, Diagnostics> {
+        let sources = sources.into_iter();
+        let records: Vec<Record> = sources
+            .map(|source| {
+                let bar = bar(&source);
+                let mut watch = |bytes| bar.set_position(bytes);
+                let record = reading::open(source, model, reading, &mut watch);
+                bar.finish_and_clear();
+                record
+            })
             .collect::<Result<_, _>>()?;
         let samples = records.iter().map(Record::all_samples);
         Ok(Data {
@@ -144,30 +233,44 @@ fn or_prior(found: &[Bounds], priors: impl Iterator<Item = Interval>) -> Vec<Bou
         .collect()
 }
 
-/// Lets the estimator work, and shows how far it is.
-fn find(model: &Model, data: &Data, arguments: &Identify, quiet: bool) -> Findings {
+/// Lets the estimator work.
+fn find(
+    (model, data): (&Model, &Data),
+    arguments: &Identify,
+    checkpoint: Option<&Checkpoint<'_>>,
+    go_on: &(dyn Fn(&Progress) -> bool + Sync),
+) -> Result<Findings, Diagnostic> {
     let options = arguments.options();
-    let interrupt = Interrupt::listen();
-    let bar = progress::of_standing(quiet);
-    let go_on = |standing: &Progress| {
-        bar.set_message(in_words(standing));
-        bar.tick();
-        !interrupt.is_asked()
-    };
     let begin = Instant::now();
-    let identified = identify(model, &data.samples, &options, &go_on);
+    let kept = match checkpoint.filter(|_| arguments.resume) {
+        Some(checkpoint) => checkpoint.read()?,
+        None => None,
+    };
+    let save = |bytes: &dyn Fn() -> Vec<u8>| {
+        if let Some(checkpoint) = checkpoint {
+            checkpoint.save(bytes);
+        }
+    };
+    let checkpoints = Checkpoints {
+        from: kept.as_deref(),
+        save: &save,
+    };
+    let identified = resume(model, &data.samples, &options, &checkpoints, go_on);
+    let identified = match (identified, checkpoint) {
+        (Ok(identified), _) => identified,
+        (Err(Unreadable), Some(checkpoint)) => return Err(checkpoint.refuse("it is damaged")),
+        (Err(Unreadable), None) => unreachable!("PROOF: nothing was read"),
+    };
     // Who reads that nothing agrees asks how far it is from that.
     let is_refuted = matches!(identified.conclusion, Conclusion::Inconsistent(_));
     let is_asked = (is_refuted || arguments.least_error) && !identified.interrupted;
-    let least = is_asked.then(|| least_error(model, &data.samples, &options, &go_on));
-    let seconds = begin.elapsed().as_secs_f64();
-    bar.finish_and_clear();
-    Findings {
+    let least = is_asked.then(|| least_error(model, &data.samples, &options, go_on));
+    Ok(Findings {
         ending: ending(&identified),
         identified,
         least,
-        seconds,
-    }
+        seconds: begin.elapsed().as_secs_f64(),
+    })
 }
 
 /// What was proved stays proved, also of a run that was interrupted later.
@@ -180,7 +283,8 @@ fn ending(identified: &Identified) -> Ending {
     }
 }
 
-fn in_words(standing: &Progress) -> String {
+/// Where a run stands, in one line.
+pub fn in_words(standing: &Progress) -> String {
     let left = upper(100.0 * standing.left, 3);
     let bounds = match show_times(standing.tightness) {
         none if none.is_empty() => String::new(),

@@ -41,6 +41,7 @@ pub fn summary(
         let limit = identified.limits.get(at).map(|limit| match limit {
             Limit::Record => "record",
             Limit::Budget => "sets",
+            Limit::Memory => "memory",
             Limit::Enclosure => "enclosure",
         });
         let entry = IdentifiedParameter::new(
@@ -149,12 +150,7 @@ fn shares(model: &Model, found: &Findings) -> [Interval; 2] {
 }
 
 /// Verdict, bounds of parameters and start states from both sides, and what limits them.
-pub fn table(
-    model: &Model,
-    data: &Data,
-    found: &Findings,
-    (folder, figures): (&Path, bool),
-) -> String {
+pub fn bounds(model: &Model, data: &Data, found: &Findings) -> String {
     let mut out = String::new();
     let identified = &found.identified;
     let verdict = match (&identified.conclusion, identified.interrupted) {
@@ -192,9 +188,7 @@ pub fn table(
     if let Some(least) = &found.least {
         let _ = writeln!(out, "  {}", least_in_words(least));
     }
-    let paving = if identified.tiles.is_empty() {
-        ""
-    } else {
+    if !identified.tiles.is_empty() {
         let [inside, undecided] = shares(model, found);
         let _ = writeln!(
             out,
@@ -203,6 +197,21 @@ pub fn table(
             lower(100.0 * inside.lo().max(0.0), 3),
             upper(100.0 * undecided.hi(), 3),
         );
+    }
+    out
+}
+
+/// The same, and where the results are.
+pub fn table(
+    model: &Model,
+    data: &Data,
+    found: &Findings,
+    (folder, figures): (&Path, bool),
+) -> String {
+    let mut out = bounds(model, data, found);
+    let paving = if found.identified.tiles.is_empty() {
+        ""
+    } else {
         "paving.csv, "
     };
     let figures = if figures { ", figures in fig/" } else { "" };
@@ -262,6 +271,7 @@ fn push_bounds(out: &mut String, model: &Model, data: &Data, found: &Findings) {
             .map_or("", |limit| match limit {
                 Limit::Record => "the record",
                 Limit::Budget => "the number of sets",
+                Limit::Memory => "the memory",
                 Limit::Enclosure => "how far solutions are enclosed",
             });
         rows.push(row(&param.name, param.bounds, both, &param.unit, limit));

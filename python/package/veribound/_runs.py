@@ -1,0 +1,318 @@
+"""Runs: what the program does, on frames, arrays and files."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Callable, Mapping, Optional, Sequence, Union
+
+from . import _frames, _progress, _veribound, _words
+from ._errors import Interrupted
+from ._results import Enclosure, Identification, Observation, Simulation
+
+Text = Union[str, float, int, Any]
+Names = Mapping[str, Text]
+
+
+def _model(model: Any) -> Any:
+    """A model, its builder, or the path of its file."""
+    from ._model import Model, ModelBuilder
+
+    if isinstance(model, ModelBuilder):
+        return model.build()
+    if isinstance(model, (str, os.PathLike)):
+        return Model.load(model)
+    if not isinstance(model, Model):
+        raise TypeError(f"a model is a veribound.Model, a ModelBuilder or the path of a model file, not {model!r}")
+    return model
+
+
+def _name(model: Any) -> str:
+    return _words.place(model._model.source)
+
+
+def _ended(done: Any, result: Any) -> Any:
+    """The result; raised with the exception where the user wanted an end."""
+    if done.asked_to_end:
+        raise Interrupted(result)
+    return result
+
+
+def _show(progress: Any, run: "Callable[[Any], Any]") -> Any:
+    bar = _progress.bar(progress)
+    try:
+        return run(bar)
+    finally:
+        _progress.close(bar)
+
+
+def _output(output: Any) -> "tuple[list[str], bool]":
+    # The program writes a folder always; without one nothing is written.
+    return ["-o", _words.place(os.fspath(output or "nowhere"))], output is not None
+
+
+def observe(
+    model: Any,
+    record: Any,
+    *,
+    time: Optional[str] = None,
+    column: Optional["Mapping[str, str]"] = None,
+    from_: Optional[Text] = None,
+    to: Optional[Text] = None,
+    reset: "Union[None, str, Sequence[str]]" = None,
+    input_error: Optional[Names] = None,
+    output_error: Optional[Names] = None,
+    start_from: Any = None,
+    boxes: Optional[int] = None,
+    bisections: Optional[int] = None,
+    every: Optional[int] = None,
+    epsilon: Optional[float] = None,
+    velocity_horizon: Optional[float] = None,
+    windows: Optional["Sequence[int]"] = None,
+    trisect: bool = False,
+    parameter_rule: Optional[str] = None,
+    merge_across_modes: bool = False,
+    order: Optional[int] = None,
+    halvings: Optional[int] = None,
+    longest_step: Optional[float] = None,
+    output: Any = None,
+    figures: Any = None,
+    zoom: Optional[str] = None,
+    overlay: Any = None,
+    exact: bool = False,
+    frames: Optional[str] = None,
+    progress: Any = None,
+) -> Observation:
+    """Bounds parameters and states from a record, sample by sample.
+
+    Guarantee: if the true start values and parameters lie in the bounds of the model and every error of the record
+    in its declared bound, then after every sample the true values lie in the returned bounds.
+
+    Parameters
+    ----------
+    model : a `Model`, a `ModelBuilder`, or the path of a model file.
+    record : path of a CSV file; pandas or polars frame; or dictionary of columns, each of shape ``(m,)``.
+        It has a time column (``t`` or ``time``, in seconds; a frame may be indexed by it, or by a clock) and one for
+        every input, output and signal of the model, in the model's units or with their own in brackets, as
+        ``"phi [deg]"``. NaN is a missing value.
+    time, column : names of columns, where they are not those of the model: ``column={"phi": "angle"}``.
+    from_, to : first and last time to use, in seconds on the record's clock.
+    reset : ``"T_Fs@still:0.2"``: that parameter may have a new value whenever that signal was true so long.
+    input_error, output_error : larger errors than the model says: ``{"u": "10%"}`` or ``{"u": 0.02}``.
+    start_from : folder of an earlier run, whose parameter boxes to start from.
+    boxes, bisections, every, epsilon, velocity_horizon, windows, trisect, parameter_rule, merge_across_modes,
+    order, halvings, longest_step : how the observer works; no option changes what is proved. They are those of the
+        program, ``veribound observe --help``.
+    output : folder for the files that the program writes; `figures`, `zoom` and `overlay` are about these.
+    exact : a float of a frame stands for the number that it holds, digit for digit. By default it stands for its
+        shortest decimal, so that a frame and the CSV file it was read from give the same bounds to the bit.
+    frames : ``"pandas"``, ``"polars"`` or ``"numpy"``: what the result's tables are; by default as the record.
+    progress : True, False, or a function of ``(done, whole, text)``; by default a bar where somebody watches.
+
+    Raises
+    ------
+    Error : what is wrong with model, record or options, in the words of the program.
+    Interrupted : Ctrl-C; the exception's ``result`` has what was proved until then.
+    """
+    model = _model(model)
+    source = _frames.source(record, exact)
+    options = {
+        "time": time,
+        "column": column,
+        "from_": from_,
+        "to": to,
+        "reset": [reset] if isinstance(reset, str) else reset,
+        "input_error": input_error,
+        "output_error": output_error,
+        "start_from": start_from,
+        "boxes": boxes,
+        "bisections": bisections,
+        "every": every,
+        "epsilon": epsilon,
+        "velocity_horizon": velocity_horizon,
+        "windows": windows,
+        "trisect": trisect,
+        "parameter_rule": parameter_rule,
+        "merge_across_modes": merge_across_modes,
+        "order": order,
+        "halvings": halvings,
+        "longest_step": longest_step,
+        "figures": figures,
+        "zoom": zoom,
+        "overlay": overlay,
+    }
+    folder, wants_files = _output(output)
+    words = ["observe", _name(model), _words.place(source.name), *folder, *_words.words(options)]
+    done = _show(progress, lambda bar: _veribound.observe(model._model, source, words, wants_files, bar))
+    return _ended(done, Observation(done, model, _frames.choose(frames, record), output))
+
+
+def identify(
+    model: Any,
+    records: Any,
+    *,
+    time: Optional[str] = None,
+    column: Optional["Mapping[str, str]"] = None,
+    from_: Optional[Text] = None,
+    to: Optional[Text] = None,
+    reset: "Union[None, str, Sequence[str]]" = None,
+    input_error: Optional[Names] = None,
+    output_error: Optional[Names] = None,
+    tightness: Optional[float] = None,
+    paving: Optional[str] = None,
+    sets: Optional[int] = None,
+    threads: Optional[int] = None,
+    output: Any = None,
+    figures: Any = None,
+    exact: bool = False,
+    frames: Optional[str] = None,
+    progress: Any = None,
+) -> Identification:
+    """Bounds parameters from whole records, from both sides.
+
+    Guarantee: every value that agrees with the model and all records lies in the outer bounds; both ends of the inner
+    ones are proved to be reached. The result does not depend on the number of threads.
+
+    Parameters
+    ----------
+    records : one record or a list of them, of one machine: they share the parameters, each has start states of its
+        own. What a record can be, see `observe`.
+    tightness : outer bounds that are proved to be at most so many times as wide as possible are tight enough.
+    paving : divide the prior into tiles inside, outside and undecided, until the undecided ones are this share of
+        what is left, as ``"1%"``.
+    sets : most sets of parameters that are looked at.
+    threads : as many as the machine has if not given.
+
+    The other parameters, and what is raised, are those of `observe`.
+    """
+    model = _model(model)
+    several = isinstance(records, (list, tuple))
+    given = list(records) if several else [records]
+    if not given:
+        raise ValueError("there is no record; give one or more")
+    sources = [_frames.source(record, exact) for record in given]
+    options = {
+        "time": time,
+        "column": column,
+        "from_": from_,
+        "to": to,
+        "reset": [reset] if isinstance(reset, str) else reset,
+        "input_error": input_error,
+        "output_error": output_error,
+        "tightness": tightness,
+        "paving": paving,
+        "sets": sets,
+        "threads": threads,
+        "figures": figures,
+    }
+    folder, wants_files = _output(output)
+    names = [_words.place(source.name) for source in sources]
+    words = ["identify", _name(model), *names, *folder, *_words.words(options)]
+    done = _show(progress, lambda bar: _veribound.identify(model._model, sources, words, wants_files, bar))
+    return _ended(done, Identification(done, model, _frames.choose(frames, given[0]), output))
+
+
+def enclose(
+    model: Any,
+    inputs: Any = None,
+    *,
+    until: Optional[Text] = None,
+    every: Optional[Text] = None,
+    parts: Optional[int] = None,
+    engine: Optional[str] = None,
+    sample: Optional[int] = None,
+    seed: Optional[int] = None,
+    plane: Any = None,
+    output: Any = None,
+    figures: Any = None,
+    exact: bool = False,
+    frames: Optional[str] = None,
+    progress: Any = None,
+) -> Enclosure:
+    """Bounds all solutions of a model: every start, parameter, disturbance and input error that it allows.
+
+    Parameters
+    ----------
+    inputs : inputs over time, each value held until the next row: what a record can be, see `observe`. Not needed
+        for a model without inputs.
+    until, every : time of the last row, and between two rows, in seconds.
+    parts : parts that the set may be divided into where it is too wide.
+    engine : ``"auto"``, ``"forms"``, ``"comparison"`` or ``"boxes"``; what is proved is true whichever is taken.
+    sample, seed : draw so many random true trajectories and compare them with the bounds.
+    plane : the two states of the phase plane among the files.
+
+    The other parameters, and what is raised, are those of `observe`.
+    """
+    model = _model(model)
+    source = None if inputs is None else _frames.source(inputs, exact)
+    options = {
+        "input": None if source is None else source.name,
+        "until": until,
+        "every": every,
+        "parts": parts,
+        "engine": engine,
+        "sample": sample,
+        "seed": seed,
+        "plane": plane,
+        "figures": figures,
+    }
+    folder, wants_files = _output(output)
+    words = ["enclose", _name(model), *folder, *_words.words(options)]
+    done = _show(progress, lambda bar: _veribound.enclose(model._model, source, words, wants_files, bar))
+    return _ended(done, Enclosure(done, model, _frames.choose(frames, inputs), output))
+
+
+def simulate(
+    model: Any,
+    inputs: Any = None,
+    *,
+    params: Optional[Names] = None,
+    start: Optional[Names] = None,
+    change: "Union[None, str, Sequence[str]]" = None,
+    until: Optional[Text] = None,
+    every: Optional[Text] = None,
+    error: Optional[Text] = None,
+    disturbance: Optional[Names] = None,
+    seed: Optional[int] = None,
+    decimals: Optional[int] = None,
+    steps: Optional[int] = None,
+    exact: bool = False,
+    frames: Optional[str] = None,
+    progress: Any = None,
+) -> Simulation:
+    """Makes a record of a model with known parameters; its errors are proved to stay in their bounds.
+
+    Parameters
+    ----------
+    inputs : inputs over time, each value held until the next row: what a record can be, see `observe`.
+    params : value of every parameter, ``{"alpha": -2}``.
+    start : start value of the states whose model has an interval.
+    change : new values from a time on, ``"40:T_Fs=0.2"``.
+    until, every : time of the last sample, and between two, in seconds.
+    error : largest error of a written output, in its unit, or ``"worst"``.
+    disturbance : values of disturbances; the middle of their bounds where none is given.
+    seed : chooses the errors.
+    decimals : decimal places of the written outputs.
+    steps : internal steps for each sample: more make the enclosure narrower and take longer.
+
+    The other parameters, and what is raised, are those of `observe`.
+    """
+    model = _model(model)
+    source = None if inputs is None else _frames.source(inputs, exact)
+    options = {
+        "params": params,
+        "start": start,
+        "change": [change] if isinstance(change, str) else change,
+        "input": None if source is None else source.name,
+        "until": until,
+        "every": every,
+        "error": error,
+        "disturbance": disturbance,
+        "seed": seed,
+        "decimals": decimals,
+        "steps": steps,
+    }
+    words = ["simulate", _name(model), "-o", "record.csv", *_words.words(options)]
+    done = _show(progress, lambda bar: _veribound.simulate(model._model, source, words, bar))
+    if done.interrupted:
+        raise Interrupted(None)
+    return _ended(done, Simulation(done.text, model, _frames.choose(frames, inputs), done.notes))
