@@ -6,7 +6,8 @@
 //! - [`ResultFolder`]: where the files of a run go; the results are those of one run, all or none.
 //! - [`TableWriter`]: `states.csv`, `params.csv`, `boxes.csv`; `tube.csv`, `parts.csv` of an enclosure;
 //!   `points.csv`, `paving.csv` of an identification.
-//! - [`Summary`], [`EnclosureSummary`], [`IdentifiedSummary`]: `summary.json`; [`RunInfo`]: `run.toml`.
+//! - [`Summary`], [`EnclosureSummary`], [`IdentifiedSummary`]: `summary.json`; [`RunInfo`]: `run.toml`;
+//!   [`Printed`]: the numbers of a summary as they are printed, for what tells the same elsewhere.
 //! - [`Start`]: the parameters of an earlier run, to go on from.
 //!
 //! *Guarantee*: intervals that hold all values are printed rounded outward, so that what is printed
@@ -31,6 +32,7 @@ pub use results::identified::{
     IdentifiedParameter, IdentifiedStart, IdentifiedState, IdentifiedSummary, IdentifiedWork,
     Paving, RefutedTogether,
 };
+pub use results::printed::Printed;
 pub use results::run_info::{FileInfo, Platform, Program, RecordInfo, RunInfo};
 pub use results::start::Start;
 pub use results::summary::{

@@ -10,9 +10,10 @@ use veribound_model::diagnostic::Diagnostic;
 /// The file that says that the results are complete: it goes first and comes last.
 const MARK: &str = "summary.json";
 
-/// The tables of a run.
-const TABLES: [&str; 9] = [
+/// The tables and texts of a run.
+const TABLES: [&str; 10] = [
     MARK,
+    "report.html",
     "run.toml",
     "states.csv",
     "params.csv",

@@ -4,6 +4,7 @@ pub(crate) mod enclosed;
 pub(crate) mod folder;
 pub(crate) mod identified;
 mod number;
+pub(crate) mod printed;
 pub(crate) mod run_info;
 pub(crate) mod start;
 pub(crate) mod summary;

@@ -240,6 +240,15 @@ pub struct Shown {
         help_heading = "Output"
     )]
     pub figures: Vec<Format>,
+    /// The page with all of it, report.html: tables, and plots that can be zoomed
+    #[arg(
+        long,
+        value_enum,
+        value_name = "FORMAT",
+        default_value = "html",
+        help_heading = "Output"
+    )]
+    pub report: PageFormat,
     /// Print summary.json to stdout instead of the table
     #[arg(long, help_heading = "Output")]
     pub json: bool,
@@ -249,6 +258,20 @@ pub struct Shown {
 }
 
 impl Shown {
+    /// What the files beside the tables are called in a list of results.
+    pub fn pictures(&self) -> String {
+        let page = match self.report {
+            PageFormat::Html => ", report.html",
+            PageFormat::None => "",
+        };
+        let figures = if self.figures.contains(&Format::None) {
+            ""
+        } else {
+            ", figures in fig/"
+        };
+        format!("{page}{figures}")
+    }
+
     /// Refuses figures and no figures.
     ///
     /// *Errors*: `E0612`.
@@ -370,6 +393,15 @@ pub enum Format {
     /// Pixels
     Png,
     /// No figures
+    None,
+}
+
+/// Formats of the page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PageFormat {
+    /// One file that a browser shows, also without a network
+    Html,
+    /// No page
     None,
 }
 

@@ -17,6 +17,7 @@ mod numbers;
 mod observe;
 mod overlay;
 mod overwriting;
+mod page;
 mod profile;
 mod progress;
 mod reading;

@@ -1,19 +1,19 @@
 //! `veribound observe`: from a model file and a record to proved bounds.
 
-use super::arguments::{Format, Observe, Showing};
+use super::arguments::{Observe, Showing};
 use super::ending::Ending;
 use super::files::{Files, figure_meta};
 use super::flags::ZoomFlag;
 use super::interrupt::Interrupt;
 use super::{
-    Outcome, assumptions, message, overlay, overwriting, progress, reading, run_info, table,
+    Outcome, assumptions, message, overlay, overwriting, page, progress, reading, run_info, table,
     verdict,
 };
 use indicatif::ProgressBar;
 use std::path::Path;
 use std::time::Instant;
 use veribound_data::{
-    FileInfo, ParameterSummary, Record, ResultFolder, Start, StateSummary, Summary, Work,
+    FileInfo, ParameterSummary, Printed, Record, ResultFolder, Start, StateSummary, Summary, Work,
 };
 use veribound_estimate::{Estimate, Observer, Refutation, Undecided, Verdict};
 use veribound_interval::{Decimal, Interval};
@@ -61,7 +61,8 @@ pub fn run(arguments: &Observe) -> Outcome {
             Zoom::Window(from.to_interval().mid(), to.to_interval().mid())
         }
     };
-    let meta = figure_meta(&model, zoom, sample_time_ms(&record));
+    let mut meta = figure_meta(&model, zoom, sample_time_ms(&record));
+    meta.page = page::is_wanted(&arguments.showing.output);
     let other = arguments.showing.overlay.as_deref();
     let other = other
         .map(|folder| overlay::read(folder, &model, &meta))
@@ -91,7 +92,7 @@ pub fn run(arguments: &Observe) -> Outcome {
 
     // [3/4] The files.
     if let Some(refutation) = &found.refutation {
-        files.refuted_at(&refutation.time);
+        files.refuted_at(refutation);
     }
     let end = found.last.as_ref().map_or(record.first(), |(time, _)| time);
     let cells = if found.refutation.is_some() {
@@ -99,23 +100,33 @@ pub fn run(arguments: &Observe) -> Outcome {
     } else {
         observer.cells()
     };
-    let json = summary(&model, &record, &found, said).to_json()?;
+    let json = summary(&model, &record, &found, said.clone()).to_json()?;
+    let page = if page::is_wanted(&arguments.showing.output) {
+        let material = page::Material {
+            model: &model,
+            info: &run_info,
+            printed: &Printed::of(&json)?,
+            assumed: &said,
+        };
+        let boxes = arguments.method.boxes;
+        Some(page::observation(&material, &record, &found, boxes)?)
+    } else {
+        None
+    };
     let formats = &arguments.showing.output.figures;
     let drawn = (formats.as_slice(), other.as_ref());
-    files.finish((end, cells), &run_info, &json, drawn)?;
+    files.finish((end, cells), &run_info, &json, (drawn, page))?;
 
     // [4/4] What the user is told.
     verdict::explain(&model, &record, &found, !quiet);
     if arguments.showing.output.json {
         message::say(&json);
     } else if !quiet {
-        let figures = !formats.contains(&Format::None);
-        message::say(&table::of(
-            &model,
-            &record,
-            &found,
-            (&arguments.output, figures),
-        ));
+        let place = (
+            arguments.output.as_path(),
+            arguments.showing.output.pictures(),
+        );
+        message::say(&table::of(&model, &record, &found, place));
     }
     Ok(found.ending)
 }

@@ -14,7 +14,7 @@ pub fn of(
     model: &Model,
     record: &Record,
     found: &Findings,
-    (folder, figures): (&Path, bool),
+    (folder, pictures): (&Path, String),
 ) -> String {
     let mut out = String::new();
     let verdict = match (found.ending, &found.last) {
@@ -63,10 +63,9 @@ pub fn of(
         }
         push_rows(&mut out, &rows);
     }
-    let figures = if figures { ", figures in fig/" } else { "" };
     let _ = writeln!(
         out,
-        "  results in {}: summary.json, params.csv, states.csv, boxes.csv, run.toml{figures}",
+        "  results in {}: summary.json, params.csv, states.csv, boxes.csv, run.toml{pictures}",
         folder.display()
     );
     out

@@ -110,14 +110,20 @@ fn told<'m>(model: &'m Model, refutation: &Refutation) -> Told<'m> {
 
 /// Tells on stderr why a run did not end consistent.
 pub fn explain(model: &Model, record: &Record, found: &Findings, at_length: bool) {
-    if let Some(refutation) = &found.refutation {
-        message::complain(&refuted(model, record, refutation).into());
-    }
-    if let Some(undecided) = &found.undecided {
-        message::complain(&not_decided(model, record, undecided).into());
+    if let Some(problem) = problem(model, record, found) {
+        message::complain(&problem.into());
     }
     if found.ending == Ending::Interrupted && at_length {
         message::remark("interrupted: the files are complete up to the last sample");
+    }
+}
+
+/// What stood in the way of bounds to the end of the record.
+pub fn problem(model: &Model, record: &Record, found: &Findings) -> Option<Diagnostic> {
+    match (&found.refutation, &found.undecided) {
+        (Some(refutation), _) => Some(refuted(model, record, refutation)),
+        (None, Some(undecided)) => Some(not_decided(model, record, undecided)),
+        (None, None) => None,
     }
 }
 

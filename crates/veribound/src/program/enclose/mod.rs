@@ -2,19 +2,21 @@
 
 mod diagnosis;
 mod files;
+mod page;
 mod told;
 mod trajectories;
 
-use super::arguments::{Enclose, Format};
+use super::arguments::Enclose;
 use super::ending::Ending;
 use super::interrupt::Interrupt;
 use super::message::{remark, say};
+use super::page::{Material, is_wanted};
 use super::profile::{Profile, Stretch};
 use super::{Outcome, engine, overwriting, progress, run_info};
 use diagnosis::{Cause, PastUse};
 use std::time::Instant;
 use trajectories::Drawn;
-use veribound_data::{RecordInfo, ResultFolder};
+use veribound_data::{Printed, RecordInfo, ResultFolder};
 use veribound_flow::engine::{Engines, Task};
 use veribound_flow::form::{self, Effort, Enclosure, FormOptions, Standing};
 use veribound_interval::{Decimal, Interval};
@@ -84,11 +86,22 @@ pub fn run(arguments: &Enclose) -> Outcome {
     let summary = told::summary(&model, times, &found, said.clone());
     let json = summary.to_json()?;
     let info = run_info::of_enclosure(arguments, &model, course.profile.clone(), &said);
+    let page = if is_wanted(&arguments.showing) {
+        let material = Material {
+            model: &model,
+            info: &info,
+            printed: &Printed::of(&json)?,
+            assumed: &said,
+        };
+        Some(page::page(&material, times, &found)?)
+    } else {
+        None
+    };
     files::write(
         (&folder, &arguments.showing.figures, plane),
         &model,
         (times, &found),
-        (&info, &json),
+        (&info, &json, page),
     )?;
 
     // [4/4] What the user is told.
@@ -96,8 +109,7 @@ pub fn run(arguments: &Enclose) -> Outcome {
     if arguments.showing.json {
         say(&json);
     } else if !arguments.showing.quiet {
-        let figures = !arguments.showing.figures.contains(&Format::None);
-        let place = (arguments.output.as_path(), figures);
+        let place = (arguments.output.as_path(), arguments.showing.pictures());
         say(&told::table(&model, times, (&found, &summary), place));
     }
     Ok(found.ending)

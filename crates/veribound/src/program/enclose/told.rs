@@ -76,7 +76,7 @@ pub fn summary(
 }
 
 /// What stood in the way, in one sentence.
-fn reason(model: &Model, found: &Findings) -> Option<String> {
+pub fn reason(model: &Model, found: &Findings) -> Option<String> {
     let stopped = found.enclosure.stopped.as_ref()?;
     let cause = found.obstacle.as_ref()?;
     let state = model
@@ -128,6 +128,13 @@ pub fn explain(model: &Model, times: &[Decimal], found: &Findings) {
         }
         _ => {}
     }
+    if let Some(said) = past_use(model, found) {
+        remark(&format!("warning: {said}"));
+    }
+}
+
+/// Which widths grew past use, and what to try.
+pub fn past_use(model: &Model, found: &Findings) -> Option<String> {
     let mut earliest: Vec<_> = found.past_use.iter().collect();
     let name = |state: usize| {
         let state = model.states.get(state);
@@ -141,9 +148,7 @@ pub fn explain(model: &Model, times: &[Decimal], found: &Findings) {
     };
     earliest.sort_by(|a, b| a.since.cmp(&b.since));
     earliest.sort_by_key(|past| follows(&past.cause));
-    let Some(first) = earliest.first() else {
-        return;
-    };
+    let first = earliest.first()?;
     let others: Vec<&str> = earliest
         .iter()
         .skip(1)
@@ -154,13 +159,13 @@ pub fn explain(model: &Model, times: &[Decimal], found: &Findings) {
     } else {
         format!("; then those of {}", list(others))
     };
-    remark(&format!(
-        "warning: the width of `{}` grew past use from t = {} s on{}{others}. Try {}.",
+    Some(format!(
+        "the width of `{}` grew past use from t = {} s on{}{others}. Try {}.",
         name(first.cause.state),
         first.since,
         term(model, &first.cause),
         first.cause.remedy
-    ));
+    ))
 }
 
 /// Verdict, work, and one line per state and output.
@@ -168,7 +173,7 @@ pub fn table(
     model: &Model,
     times: &[Decimal],
     (found, summary): (&Findings, &EnclosureSummary),
-    (folder, figures): (&Path, bool),
+    (folder, pictures): (&Path, String),
 ) -> String {
     let mut out = String::new();
     let time = times.last().map_or_else(String::new, Decimal::to_string);
@@ -229,10 +234,9 @@ pub fn table(
             counts.comparisons
         );
     }
-    let figures = if figures { ", figures in fig/" } else { "" };
     let _ = writeln!(
         out,
-        "  results in {}: summary.json, tube.csv, parts.csv, run.toml{figures}",
+        "  results in {}: summary.json, tube.csv, parts.csv, run.toml{pictures}",
         folder.display()
     );
     out

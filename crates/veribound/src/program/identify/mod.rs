@@ -2,18 +2,19 @@
 
 pub mod arguments;
 mod files;
+mod page;
 mod told;
 mod verdict;
 
-use super::arguments::Format;
 use super::ending::Ending;
 use super::interrupt::Interrupt;
 use super::message::say;
 use super::numbers::show_times;
+use super::page::{Material, is_wanted};
 use super::{Outcome, assumptions, overwriting, progress, reading, run_info};
 use arguments::Identify;
 use std::time::Instant;
-use veribound_data::{Record, ResultFolder};
+use veribound_data::{Printed, Record, ResultFolder};
 use veribound_estimate::identify::{
     Bounds, Conclusion, Identified, IdentifyOptions, Progress, identify,
 };
@@ -59,10 +60,21 @@ pub fn run(arguments: &Identify) -> Outcome {
     let summary = told::summary(&model, &data, &found, said.clone());
     let json = summary.to_json()?;
     let info = run_info::of_identification(arguments, (&model, &data.records), &said);
+    let page = if is_wanted(&arguments.showing) {
+        let material = Material {
+            model: &model,
+            info: &info,
+            printed: &Printed::of(&json)?,
+            assumed: &said,
+        };
+        Some(page::page(&material, &data, &found)?)
+    } else {
+        None
+    };
     files::write(
         (&folder, &arguments.showing.figures),
         (&model, &data, &found),
-        (&info, &json),
+        (&info, &json, page),
     )?;
 
     // [4/4] What the user is told.
@@ -70,8 +82,7 @@ pub fn run(arguments: &Identify) -> Outcome {
     if arguments.showing.json {
         say(&json);
     } else if !quiet {
-        let figures = !arguments.showing.figures.contains(&Format::None);
-        let place = (arguments.output.as_path(), figures);
+        let place = (arguments.output.as_path(), arguments.showing.pictures());
         say(&told::table(&model, &data, &found, place));
     }
     Ok(found.ending)

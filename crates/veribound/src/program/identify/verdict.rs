@@ -67,15 +67,20 @@ fn these(lines: &[usize]) -> String {
 
 /// Tells on stderr why a run did not end consistent.
 pub fn explain(model: &Model, data: &Data, found: &Findings, at_length: bool) {
-    match &found.identified.conclusion {
-        Conclusion::Inconsistent(refuted) => complain(&inconsistent(model, data, refuted).into()),
-        Conclusion::Undecided if found.ending == Ending::Undecided => {
-            complain(&undecided(found).into());
-        }
-        _ => {}
+    if let Some(problem) = problem(model, data, found) {
+        complain(&problem.into());
     }
     if found.ending == Ending::Interrupted && at_length {
         remark("interrupted: the files tell what was proved until then");
+    }
+}
+
+/// What stood in the way of bounds, or of the proof that there are any.
+pub fn problem(model: &Model, data: &Data, found: &Findings) -> Option<Diagnostic> {
+    match &found.identified.conclusion {
+        Conclusion::Inconsistent(refuted) => Some(inconsistent(model, data, refuted)),
+        Conclusion::Undecided if found.ending == Ending::Undecided => Some(undecided(found)),
+        _ => None,
     }
 }
 
