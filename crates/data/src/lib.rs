@@ -1,7 +1,7 @@
 //! Records in, results out.
 //!
-//! - [`Record`]: a CSV file, checked as a whole, then read one [`Sample`](veribound_model::Sample) at
-//!   a time; every number means the decimal it spells.
+//! - [`Record`]: a CSV, MATLAB MAT, HDF5 or Parquet file, checked as a whole, then read one
+//!   [`Sample`](veribound_model::Sample) at a time; every number means the decimal it spells, or the float it is.
 //! - [`TableReader`]: any table of text, row by row, by the same rules.
 //! - [`ResultFolder`]: where the files of a run go; the results are those of one run, all or none.
 //! - [`TableWriter`]: `states.csv`, `params.csv`, `boxes.csv`; `tube.csv`, `parts.csv` of an enclosure;
@@ -24,6 +24,7 @@ mod results;
 pub use digest::sha256_of_file;
 pub use reader::table::{TableReader, TableRow};
 pub use record::{Record, RecordOptions, Samples};
+pub use results::described::ModelSummary;
 pub use results::enclosed::{
     EnclosureSummary, EnclosureWork, PastUse, RangeSummary, Reach, Time, Trajectories,
 };
@@ -36,6 +37,6 @@ pub use results::printed::Printed;
 pub use results::run_info::{FileInfo, Platform, Program, RecordInfo, RunInfo};
 pub use results::start::Start;
 pub use results::summary::{
-    Kind, ParameterSummary, Refutation, StateSummary, Summary, Verdict, Work,
+    Kind, ParameterSummary, Refutation, StateSummary, Summary, Verdict, Work, to_json,
 };
 pub use results::table::{Cell, Column, TableWriter};

@@ -160,10 +160,10 @@ fn texts_of_models_and_names_of_files_cannot_leave_their_place() {
     let (model, record) = evil(&place);
     place.run(&["observe", &model, &record, "-o", "out", "--figures", "none"]).ended(0);
     let page = place.read("out/report.html");
-    for bad in ["<img", "m&<b>", "r&<i>", "&amp;amp;<"] {
+    for bad in ["<img", "m&<b>", "r&<i>"] {
         assert!(!page.contains(bad), "{bad} in the page");
     }
-    // Five elements: description, data, library, and the script that reads them.
+    // Four elements: description, data, library, and the script that reads them.
     assert_eq!(page.matches("<script").count(), 4);
     assert_eq!(page.matches("</script>").count(), 4);
     assert!(page.contains("m&amp;&lt;b&gt;.toml"));
@@ -334,11 +334,6 @@ fn a_browser_shows_the_page_and_zooms_all_plots_together() {
         let number = summary.pointer(at).unwrap();
         assert_eq!(number.as_f64(), text.parse().ok(), "{at}");
     }
-    // The last bounds drawn of the parameter are those of the summary.
-    let last = browser.run(
-        "const y = document.querySelector('#plot-parameters').data[0].y.filter((v) => v !== null); return [y.at(-2), y.at(y.length / 2 - 1)]",
-    );
-    assert!(last.is_array());
     assert_eq!(view(&browser), (0.0, 2.0));
     browser.drag("#plot-outputs", 0.25, 0.5);
     browser.wait("document.querySelector('#plot-outputs').layout.xaxis.range[1] < 1.9");
@@ -350,6 +345,8 @@ fn a_browser_shows_the_page_and_zooms_all_plots_together() {
         browser.wait(&format!("document.querySelector('{plot}').layout?.xaxis.range[0] === {from}"));
     }
     // Buttons go on from there, and back to all of it.
+    browser.run("document.querySelector('#plot-outputs').scrollIntoView({block: 'center'})");
+    std::thread::sleep(Duration::from_millis(300));
     browser.run("[...document.querySelectorAll('#tools button')].find((it) => it.textContent === '+').click()");
     let (a, b) = view(&browser);
     assert!((b - a - (to - from) / 2.0).abs() < 1e-9);

@@ -1,4 +1,4 @@
-//! Records in: a CSV file becomes samples, one at a time.
+//! Records in: a CSV file, or another table of numbers, becomes samples, one at a time.
 
 mod cell;
 mod conversion;
@@ -7,10 +7,11 @@ mod layout;
 mod messages;
 mod problems;
 mod row;
+pub(crate) mod sheet;
 mod similar;
 mod units;
 
-use crate::digest::Digesting;
+use crate::digest::{Digesting, sha256_of_file};
 use crate::failure;
 use crate::reader::lines::{Lines, quote};
 use crate::reader::{Line, bad_quotes, fields, is_comment};
@@ -18,6 +19,7 @@ use header::{Column, Header};
 use layout::{Finder, Layout};
 use problems::Problems;
 use row::{Row, Rows};
+use sheet::{Input, Sheet, SheetText};
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
@@ -48,11 +50,14 @@ pub struct RecordOptions {
 /// another unit than the model's is multiplied by an enclosure of the exact factor first; error
 /// bounds are in the unit of the model.
 ///
+/// A MATLAB MAT file, an HDF5 file or a Parquet file is read as the table of its columns: the header is line 1, the
+/// first sample line 2. A float in it means that float exactly.
+///
 /// An empty field or `NaN` of an output or a signal is a missing value: nothing was recorded there, so
 /// nothing is claimed ([`Record::missing`] counts them). Of an input or of the time it is an error.
 ///
 /// *Cost*: the file is read once here and once for every [`Record::samples`]; memory does not
-/// grow with its length.
+/// grow with its length, except of files that are no text: their columns are held.
 #[derive(Debug, Clone)]
 pub struct Record {
     path: PathBuf,
@@ -65,6 +70,8 @@ pub struct Record {
     sha256: String,
     missing: Vec<(String, usize)>,
     hint: Option<String>,
+    /// The columns, of a file that is no text.
+    sheet: Option<Arc<Sheet>>,
 }
 
 impl Record {
@@ -95,10 +102,12 @@ impl Record {
         let path = path.as_ref().to_path_buf();
         let name: Arc<str> = Arc::from(path.display().to_string());
         let file = open_file(&path, &name)?;
-        let mut lines = Lines::new(
-            BufReader::with_capacity(BUFFER, Digesting::new(file)),
-            &name,
-        )?;
+        let sheet = Sheet::read(&path, &name)?.map(Arc::new);
+        let input = match &sheet {
+            Some(sheet) => Input::Sheet(SheetText::new(sheet)),
+            None => Input::File(BufReader::with_capacity(BUFFER, Digesting::new(file))),
+        };
+        let mut lines = Lines::new(input, &name)?;
         let header = read_header(&mut lines, &name)?;
         let mut problems = Problems::default();
         let finder = Finder {
@@ -124,7 +133,11 @@ impl Record {
             return Err(no_samples(&name, &options, seen.whole).into());
         };
         Ok(Record {
-            sha256: lines.into_input().into_inner().finish(),
+            sha256: match lines.into_input() {
+                Input::File(file) => file.into_inner().finish(),
+                Input::Sheet(_) => sha256_of_file(&path)?,
+            },
+            sheet,
             path,
             missing,
             hint,
@@ -141,8 +154,14 @@ impl Record {
     ///
     /// *Errors*: when the file cannot be opened any more.
     pub fn samples(&self) -> Result<Samples, Diagnostics> {
-        let file = open_file(&self.path, &self.name)?;
-        let mut lines = Lines::new(BufReader::with_capacity(BUFFER, file), &self.name)?;
+        let input = match &self.sheet {
+            Some(sheet) => Input::Sheet(SheetText::new(sheet)),
+            None => {
+                let file = open_file(&self.path, &self.name)?;
+                Input::File(BufReader::with_capacity(BUFFER, file))
+            }
+        };
+        let mut lines = Lines::new(input, &self.name)?;
         read_header(&mut lines, &self.name)?;
         Ok(Samples {
             lines,
@@ -152,6 +171,16 @@ impl Record {
             rows: Rows::new(),
             is_done: false,
         })
+    }
+
+    /// The text of a line, by its number; of a file that is no text as [`Record`] tells. `None` where it cannot be
+    /// read any more.
+    pub fn line(&self, number: usize) -> Option<String> {
+        if let Some(sheet) = &self.sheet {
+            return sheet.line(number);
+        }
+        let file = BufReader::new(File::open(&self.path).ok()?);
+        file.lines().nth(number.checked_sub(1)?)?.ok()
     }
 
     /// All samples of the window together.
@@ -231,7 +260,7 @@ impl Record {
 /// An error means that the file was changed after [`Record::open`] checked it; nothing follows it.
 #[derive(Debug)]
 pub struct Samples {
-    lines: Lines<BufReader<File>>,
+    lines: Lines<Input<File>>,
     name: Arc<str>,
     layout: Arc<Layout>,
     options: RecordOptions,

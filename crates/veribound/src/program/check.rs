@@ -4,6 +4,7 @@ use super::arguments::Check;
 use super::ending::Ending;
 use super::engine::{outlook, plan};
 use super::{Outcome, message};
+use veribound_data::ModelSummary;
 use veribound_flow::comparison::Comparison;
 use veribound_model::Model;
 
@@ -13,6 +14,11 @@ pub fn run(arguments: &Check) -> Outcome {
     let description = model.describe();
     let outlook = outlook(&model, &Comparison::new(&model));
     let plan = plan(&model, &outlook);
-    message::say(&format!("{}\n\n{plan}\n", description.trim_end()));
+    let text = format!("{}\n\n{plan}\n", description.trim_end());
+    if arguments.json {
+        message::say(&ModelSummary::new(&model, plan, text).to_json()?);
+    } else {
+        message::say(&text);
+    }
     Ok(Ending::Done)
 }

@@ -3,6 +3,7 @@
 mod arguments;
 mod assumptions;
 mod check;
+mod doctor;
 mod enclose;
 mod ending;
 mod engine;
@@ -11,6 +12,7 @@ mod files;
 mod flags;
 mod identify;
 mod interrupt;
+mod manual;
 mod message;
 mod noise;
 mod numbers;
@@ -24,6 +26,7 @@ mod reading;
 mod run_info;
 mod same_units;
 mod simulate;
+mod starter;
 mod table;
 mod verdict;
 
@@ -37,9 +40,14 @@ use veribound_model::diagnostic::{Diagnostic, Diagnostics};
 /// Runs the program; the exit code is the verdict.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    message::choose_color(arguments.color);
     let done = match &arguments.command {
         // Computes nothing, and tells also what to do where the arithmetic is refused.
         Command::Explain(explain) => explain::run(explain),
+        Command::Doctor(doctor) => doctor::run(doctor),
+        Command::Completions(completions) => manual::completions(completions),
+        Command::Man(man) => manual::pages(man),
+        Command::New(new) => starter::run(new),
         Command::Check(check) => arithmetic().and_then(|()| check::run(check)),
         Command::Observe(observe) => arithmetic().and_then(|()| observe::run(observe)),
         Command::Identify(identify) => arithmetic().and_then(|()| identify::run(identify)),

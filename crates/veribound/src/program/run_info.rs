@@ -62,6 +62,7 @@ pub fn of_enclosure(
     put("plane", Value::String(arguments.plane.to_string()));
     put("figures", formats(&arguments.showing.figures));
     put("report", named(arguments.showing.report));
+    put("parquet", Value::Boolean(arguments.showing.parquet));
     RunInfo {
         program: program(),
         platform: Platform::current(),
@@ -96,6 +97,7 @@ pub fn of_identification(
     }
     put("figures", formats(&arguments.showing.figures));
     put("report", named(arguments.showing.report));
+    put("parquet", Value::Boolean(arguments.showing.parquet));
     RunInfo {
         program: program(),
         platform: Platform::current(),
@@ -200,6 +202,7 @@ fn options(arguments: &Observe, assumptions: &[String]) -> Table {
     put("parameter_rule", named(method.parameter_rule));
     put("figures", formats(&showing.output.figures));
     put("report", named(showing.output.report));
+    put("parquet", Value::Boolean(showing.output.parquet));
     put("zoom", Value::String(showing.zoom.to_string()));
     for (name, folder) in [
         ("start_from", &given.start_from),

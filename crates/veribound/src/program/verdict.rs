@@ -4,8 +4,6 @@ use super::ending::Ending;
 use super::message;
 use super::numbers::show;
 use super::observe::Findings;
-use std::fs::File;
-use std::io::{BufRead, BufReader};
 use std::sync::Arc;
 use veribound_data::{Kind, Record, Verdict};
 use veribound_estimate::{Contradiction, Refutation, Undecided};
@@ -251,11 +249,7 @@ fn why(model: &Model, undecided: &Undecided) -> String {
 /// Shows the line of the record; without it where it cannot be read again.
 pub fn at_line(problem: Diagnostic, record: &Record, number: usize, label: String) -> Diagnostic {
     let name = record.path().display().to_string();
-    let line = File::open(record.path())
-        .ok()
-        .and_then(|file| BufReader::new(file).lines().nth(number.saturating_sub(1)))
-        .and_then(Result::ok)
-        .unwrap_or_default();
+    let line = record.line(number).unwrap_or_default();
     let end = line.len();
     problem.at(
         &Arc::new(SourceText::excerpt(name, line, number)),
