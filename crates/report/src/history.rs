@@ -224,7 +224,9 @@ impl History {
 
     /// What is contradicted of an output.
     pub(crate) fn clash_of(&self, output: usize) -> Option<[(f64, f64); 2]> {
-        self.clash.filter(|clash| clash.0 == output).map(|clash| clash.1)
+        self.clash
+            .filter(|clash| clash.0 == output)
+            .map(|clash| clash.1)
     }
 
     pub(crate) fn zoom_cells(&self) -> Option<&[Cell]> {

@@ -145,7 +145,10 @@ fn every_run_leaves_all_its_files() {
     place.observe("m.toml", "r.csv", &[]).ended(0);
     assert!(place.files("out").contains(&"boxes.csv".to_owned()));
     assert!(!place.files("out").contains(&"points.csv".to_owned()));
-    let ran = identify(&place, "-o out --figures none --report none --json --sets 3");
+    let ran = identify(
+        &place,
+        "-o out --figures none --report none --json --sets 3",
+    );
     assert_eq!(ran.out, place.read("out/summary.json"));
     let files = ["points.csv", "run.toml", "summary.json"];
     assert_eq!(place.files("out"), files);

@@ -23,7 +23,12 @@ fn numbers(page: &str) -> Vec<(String, String)> {
 }
 
 fn unescaped(text: &str) -> String {
-    let signs = [("&lt;", "<"), ("&gt;", ">"), ("&quot;", "\""), ("&amp;", "&")];
+    let signs = [
+        ("&lt;", "<"),
+        ("&gt;", ">"),
+        ("&quot;", "\""),
+        ("&amp;", "&"),
+    ];
     let plain = |text: String, (from, to): (&str, &str)| text.replace(from, to);
     signs.into_iter().fold(text.to_owned(), plain)
 }
@@ -33,12 +38,23 @@ fn agree(page: &str, summary: &str) -> Vec<String> {
     let told: Value = serde_json::from_str(summary).unwrap();
     let numbers = numbers(page);
     for (at, text) in &numbers {
-        let there = told.pointer(at).unwrap_or_else(|| panic!("no {at} in {summary}"));
+        let there = told
+            .pointer(at)
+            .unwrap_or_else(|| panic!("no {at} in {summary}"));
         match there {
             Value::Null => assert!(text == "∞" || text == "−∞", "{at}: {text}"),
             number => {
-                assert_eq!(number.as_f64().unwrap(), text.parse::<f64>().unwrap(), "{at}");
-                let key = at.rsplit('/').next().unwrap().replace("~1", "/").replace("~0", "~");
+                assert_eq!(
+                    number.as_f64().unwrap(),
+                    text.parse::<f64>().unwrap(),
+                    "{at}"
+                );
+                let key = at
+                    .rsplit('/')
+                    .next()
+                    .unwrap()
+                    .replace("~1", "/")
+                    .replace("~0", "~");
                 let digits = format!("\"{key}\": {text}");
                 assert!(summary.contains(&digits), "no {digits} in {summary}");
             }
@@ -49,7 +65,9 @@ fn agree(page: &str, summary: &str) -> Vec<String> {
 
 /// The description of the plots.
 fn scene(page: &str) -> Value {
-    let (_, rest) = page.split_once("<script id=\"meta\" type=\"application/json\">").unwrap();
+    let (_, rest) = page
+        .split_once("<script id=\"meta\" type=\"application/json\">")
+        .unwrap();
     serde_json::from_str(rest.split_once("</script>").unwrap().0).unwrap()
 }
 
@@ -57,11 +75,19 @@ fn scene(page: &str) -> Value {
 fn numbers_of_an_observation_are_those_of_the_summary() {
     let place = Place::new();
     let (model, record) = place.cart(41);
-    let ran = place.run(&["observe", &model, &record, "-o", "out", "--figures", "none"]).ended(0);
+    let ran = place
+        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .ended(0);
     assert!(ran.out.contains("run.toml, report.html\n"), "{}", ran.out);
     let page = place.read("out/report.html");
     let shown = agree(&page, &place.read("out/summary.json"));
-    for at in ["/parameters/k/lo", "/parameters/k/hi", "/parameters/k/prior/lo", "/states/x/hi", "/samples"] {
+    for at in [
+        "/parameters/k/lo",
+        "/parameters/k/hi",
+        "/parameters/k/prior/lo",
+        "/states/x/hi",
+        "/samples",
+    ] {
         assert!(shown.iter().any(|known| known == at), "no {at}");
     }
     assert!(page.contains("<h1>Consistent: bounds are proved"));
@@ -81,30 +107,61 @@ fn a_refutation_is_shown_with_its_proof() {
     let place = Place::new();
     let model = place.file("m.toml", CART);
     let record = place.file("r.csv", cart_record(9).replace("0.4,1,", "0.4,1,9"));
-    place.run(&["observe", &model, &record, "-o", "out", "--figures", "none"]).ended(1);
+    place
+        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .ended(1);
     let page = place.read("out/report.html");
     let shown = agree(&page, &place.read("out/summary.json"));
-    for at in ["/refutation/time", "/refutation/line", "/refutation/enclosure/lo", "/refutation/measured/hi", "/refutation/gap"] {
+    for at in [
+        "/refutation/time",
+        "/refutation/line",
+        "/refutation/enclosure/lo",
+        "/refutation/measured/hi",
+        "/refutation/gap",
+    ] {
         assert!(shown.iter().any(|known| known == at), "no {at}");
     }
     assert!(!shown.iter().any(|at| at.starts_with("/parameters")));
     assert!(page.contains("<h1>Refuted: no parameter in the prior explains the data"));
     let scene = scene(&page);
     assert_eq!(scene["refuted"], 0.4);
-    assert_eq!(scene["groups"][0]["panels"][0]["clash"].as_array().unwrap().len(), 2);
+    assert_eq!(
+        scene["groups"][0]["panels"][0]["clash"]
+            .as_array()
+            .unwrap()
+            .len(),
+        2
+    );
 }
 
 #[test]
 fn numbers_of_an_identification_are_those_of_the_summary() {
     let place = Place::new();
     let (model, record) = place.cart(9);
-    let words = ["identify", &model, &record, "-o", "out", "--figures", "none", "--paving", "20%", "--sets", "60"];
+    let words = [
+        "identify",
+        &model,
+        &record,
+        "-o",
+        "out",
+        "--figures",
+        "none",
+        "--paving",
+        "20%",
+        "--sets",
+        "60",
+    ];
     let ran = place.run(&words);
     assert!(matches!(ran.code, Some(0 | 3)), "{}", ran.err);
     let page = place.read("out/report.html");
     let summary = place.read("out/summary.json");
     let shown = agree(&page, &summary);
-    for at in ["/parameters/k/lo", "/parameters/k/prior/hi", "/starts/0/states/x/lo", "/work/sets"] {
+    for at in [
+        "/parameters/k/lo",
+        "/parameters/k/prior/hi",
+        "/starts/0/states/x/lo",
+        "/work/sets",
+    ] {
         assert!(shown.iter().any(|known| known == at), "no {at}");
     }
     let told: Value = serde_json::from_str(&summary).unwrap();
@@ -122,11 +179,29 @@ fn numbers_of_an_enclosure_are_those_of_the_summary() {
         "format = 1\nstates = [\"x\", \"y\"]\ninit.x = [0.5, 1]\ninit.y = 0\nparams.k = [0.5, 0.6]\nder.x = \"-k * x\"\n\
          der.y = \"x\"\noutputs.z = \"x + y +- 0.1\"\n",
     );
-    let words = ["enclose", &model, "-o", "out", "--figures", "none", "--until", "1", "--every", "0.1", "--sample", "2"];
+    let words = [
+        "enclose",
+        &model,
+        "-o",
+        "out",
+        "--figures",
+        "none",
+        "--until",
+        "1",
+        "--every",
+        "0.1",
+        "--sample",
+        "2",
+    ];
     place.run(&words).ended(0);
     let page = place.read("out/report.html");
     let shown = agree(&page, &place.read("out/summary.json"));
-    for at in ["/states/x/lo", "/states/y/always/hi", "/outputs/z/hi", "/times"] {
+    for at in [
+        "/states/x/lo",
+        "/states/y/always/hi",
+        "/outputs/z/hi",
+        "/times",
+    ] {
         assert!(shown.iter().any(|known| known == at), "no {at}");
     }
     let scene = scene(&page);
@@ -138,7 +213,16 @@ fn numbers_of_an_enclosure_are_those_of_the_summary() {
 fn no_page_is_written_where_none_is_wanted() {
     let place = Place::new();
     let (model, record) = place.cart(5);
-    let words = ["observe", &model, &record, "-o", "out", "--figures", "none", "--report"];
+    let words = [
+        "observe",
+        &model,
+        &record,
+        "-o",
+        "out",
+        "--figures",
+        "none",
+        "--report",
+    ];
     place.run(&[&words[..], &["html"]].concat()).ended(0);
     assert!(place.files("out").contains(&"report.html".to_owned()));
     let ran = place.run(&[&words[..], &["none"]].concat()).ended(0);
@@ -151,14 +235,19 @@ fn evil(place: &Place) -> (String, String) {
     let sign = "</script><img src=x onerror=alert(1)>&amp;";
     let model = format!("name = \"{sign}\"\n# {sign}\n{CART}");
     let record = cart_record(21);
-    (place.file("m&<b>.toml", model), place.file("r&<i>.csv", record))
+    (
+        place.file("m&<b>.toml", model),
+        place.file("r&<i>.csv", record),
+    )
 }
 
 #[test]
 fn texts_of_models_and_names_of_files_cannot_leave_their_place() {
     let place = Place::new();
     let (model, record) = evil(&place);
-    place.run(&["observe", &model, &record, "-o", "out", "--figures", "none"]).ended(0);
+    place
+        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .ended(0);
     let page = place.read("out/report.html");
     for bad in ["<img", "m&<b>", "r&<i>"] {
         assert!(!page.contains(bad), "{bad} in the page");
@@ -182,13 +271,19 @@ impl Browser {
     fn start(size: &str) -> Option<Browser> {
         let found = Command::new("chromedriver").arg("--version").output();
         let chromium = ["chromium", "chromium-browser", "google-chrome"];
-        let chromium = chromium.into_iter().find(|name| Command::new(name).arg("--version").output().is_ok());
+        let chromium = chromium
+            .into_iter()
+            .find(|name| Command::new(name).arg("--version").output().is_ok());
         let (Ok(_), Some(chromium)) = (found, chromium) else {
             let told = "SKIPPED pages in a browser: no Chromium with its driver here (Debian: chromium chromium-driver)";
             writeln!(std::io::stderr(), "{told}").unwrap();
             return None;
         };
-        let driver = Command::new("chromedriver").arg("--port=0").stdout(Stdio::piped()).stderr(Stdio::null()).spawn();
+        let driver = Command::new("chromedriver")
+            .arg("--port=0")
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn();
         let mut driver = driver.unwrap();
         let mut lines = BufReader::new(driver.stdout.take().unwrap()).lines();
         let port = lines.find_map(|line| {
@@ -202,10 +297,19 @@ impl Browser {
             session: String::new(),
         };
         let path = std::env::var_os("PATH").unwrap();
-        let binary = std::env::split_paths(&path).map(|folder| folder.join(chromium)).find(|file| file.exists());
+        let binary = std::env::split_paths(&path)
+            .map(|folder| folder.join(chromium))
+            .find(|file| file.exists());
         let flags = [
-            "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-            "--disable-component-update", "--disable-sync", size,
+            "--headless=new",
+            "--no-sandbox",
+            "--disable-gpu",
+            "--disable-quic",
+            "--no-first-run",
+            "--disable-background-networking",
+            "--disable-component-update",
+            "--disable-sync",
+            size,
         ];
         let wanted = json!({"capabilities": {"alwaysMatch": {
             "browserName": "chrome",
@@ -219,8 +323,14 @@ impl Browser {
 
     fn ask(&self, method: &str, path: &str, body: &Value) -> Value {
         let mut stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
-        stream.set_read_timeout(Some(Duration::from_secs(120))).unwrap();
-        let body = if method == "POST" { body.to_string() } else { String::new() };
+        stream
+            .set_read_timeout(Some(Duration::from_secs(120)))
+            .unwrap();
+        let body = if method == "POST" {
+            body.to_string()
+        } else {
+            String::new()
+        };
         let head = format!(
             "{method} {path} HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: close\r\nContent-Length: {}\r\n\r\n",
             body.len()
@@ -270,14 +380,22 @@ impl Browser {
 
     /// Opens a page, and waits for its plots.
     fn open(&self, page: &Path) {
-        self.tell("/url", &json!({"url": format!("file://{}", page.display().to_string().replace('&', "%26"))}));
+        self.tell(
+            "/url",
+            &json!({"url": format!("file://{}", page.display().to_string().replace('&', "%26"))}),
+        );
         self.wait("document.documentElement.dataset.ready");
-        assert_eq!(self.run("return document.documentElement.dataset.ready"), "yes");
+        assert_eq!(
+            self.run("return document.documentElement.dataset.ready"),
+            "yes"
+        );
     }
 
     /// Presses at one place of a plot, as shares of its width, and lets go at another.
     fn drag(&self, plot: &str, from: f64, to: f64) {
-        self.run(&format!("document.querySelector('{plot}').scrollIntoView({{block: 'center'}})"));
+        self.run(&format!(
+            "document.querySelector('{plot}').scrollIntoView({{block: 'center'}})"
+        ));
         self.wait(&format!("document.querySelector('{plot} .nsewdrag')"));
         let rect = format!("document.querySelector('{plot} .nsewdrag').getBoundingClientRect()");
         let place = |share: f64| {
@@ -295,7 +413,10 @@ impl Browser {
     fn complaints(&self) -> Vec<String> {
         let log = self.tell("/se/log", &json!({"type": "browser"}));
         let entries = log.as_array().unwrap().iter();
-        entries.filter(|entry| entry["level"] != "INFO" && entry["level"] != "DEBUG").map(Value::to_string).collect()
+        entries
+            .filter(|entry| entry["level"] != "INFO" && entry["level"] != "DEBUG")
+            .map(Value::to_string)
+            .collect()
     }
 }
 
@@ -318,10 +439,14 @@ fn view(browser: &Browser) -> (f64, f64) {
 
 #[test]
 fn a_browser_shows_the_page_and_zooms_all_plots_together() {
-    let Some(browser) = Browser::start("--window-size=1100,900") else { return };
+    let Some(browser) = Browser::start("--window-size=1100,900") else {
+        return;
+    };
     let place = Place::new();
     let (model, record) = evil(&place);
-    place.run(&["observe", &model, &record, "-o", "out", "--figures", "none"]).ended(0);
+    place
+        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .ended(0);
     browser.open(&place.path().join("out/report.html"));
     assert_eq!(browser.complaints(), [""; 0]);
     // What is shown equals the summary.
@@ -338,11 +463,18 @@ fn a_browser_shows_the_page_and_zooms_all_plots_together() {
     browser.drag("#plot-outputs", 0.25, 0.5);
     browser.wait("document.querySelector('#plot-outputs').layout.xaxis.range[1] < 1.9");
     let (from, to) = view(&browser);
-    assert!((from - 0.5).abs() < 0.02 && (to - 1.0).abs() < 0.02, "{from} {to}");
+    assert!(
+        (from - 0.5).abs() < 0.02 && (to - 1.0).abs() < 0.02,
+        "{from} {to}"
+    );
     // The other plots follow when they come into sight.
     for plot in ["#plot-states", "#plot-parameters", "#plot-work"] {
-        browser.run(&format!("document.querySelector('{plot}').scrollIntoView()"));
-        browser.wait(&format!("document.querySelector('{plot}').layout?.xaxis.range[0] === {from}"));
+        browser.run(&format!(
+            "document.querySelector('{plot}').scrollIntoView()"
+        ));
+        browser.wait(&format!(
+            "document.querySelector('{plot}').layout?.xaxis.range[0] === {from}"
+        ));
     }
     // Buttons go on from there, and back to all of it.
     browser.run("document.querySelector('#plot-outputs').scrollIntoView({block: 'center'})");
@@ -358,14 +490,26 @@ fn a_browser_shows_the_page_and_zooms_all_plots_together() {
 /// Bands are never drawn narrower than the tables have them, at any zoom; hover texts are rounded outward.
 #[test]
 fn what_a_browser_draws_encloses_the_tables() {
-    let Some(browser) = Browser::start("--window-size=700,900") else { return };
+    let Some(browser) = Browser::start("--window-size=700,900") else {
+        return;
+    };
     let place = Place::new();
     let model = place.file("m.toml", CART);
     // More samples than columns of pixels.
-    let row = |k: u32| format!("{}.{:03},1,{}.{:03}\n", k / 1000, k % 1000, k / 500, (2 * k) % 1000);
+    let row = |k: u32| {
+        format!(
+            "{}.{:03},1,{}.{:03}\n",
+            k / 1000,
+            k % 1000,
+            k / 500,
+            (2 * k) % 1000
+        )
+    };
     let rows: String = (0..3000).map(row).collect();
     let record = place.file("r.csv", format!("t,u,pos\n{rows}"));
-    place.run(&["observe", &model, &record, "-o", "out", "--figures", "none"]).ended(0);
+    place
+        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .ended(0);
     browser.open(&place.path().join("out/report.html"));
     browser.wait("document.querySelector('#plot-outputs .scatterlayer')");
     browser.run("document.querySelector('#plot-states').scrollIntoView({block: 'center'})");
@@ -382,20 +526,48 @@ fn what_a_browser_draws_encloses_the_tables() {
         .take(3000)
         .collect();
     for (from, to) in [(0.0, 2.999), (1.0, 1.4), (1.0, 1.004)] {
-        browser.run(&format!("Plotly.relayout('plot-states', {{'xaxis.range': [{from}, {to}]}})"));
+        browser.run(&format!(
+            "Plotly.relayout('plot-states', {{'xaxis.range': [{from}, {to}]}})"
+        ));
         browser.wait(&format!("document.querySelector('#plot-states').layout.xaxis.range[1] === {to} && document.querySelector('#plot-outputs').layout.xaxis.range[1] === {to}"));
-        let drawn = browser.run("const d = document.querySelector('#plot-states').data[0]; return [d.x, d.y]");
-        let list = |at: usize| -> Vec<f64> { drawn[at].as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect() };
+        let drawn = browser
+            .run("const d = document.querySelector('#plot-states').data[0]; return [d.x, d.y]");
+        let list = |at: usize| -> Vec<f64> {
+            drawn[at]
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|v| v.as_f64().unwrap())
+                .collect()
+        };
         let (x, y) = (list(0), list(1));
         // One loop: along the upper edge, and back.
         let half = x.len() / 2;
-        let upper: Vec<(f64, f64)> = x.iter().copied().zip(y.iter().copied()).take(half).collect();
-        let lower: Vec<(f64, f64)> = x.iter().copied().zip(y.iter().copied()).skip(half).take(half).rev().collect();
+        let upper: Vec<(f64, f64)> = x
+            .iter()
+            .copied()
+            .zip(y.iter().copied())
+            .take(half)
+            .collect();
+        let lower: Vec<(f64, f64)> = x
+            .iter()
+            .copied()
+            .zip(y.iter().copied())
+            .skip(half)
+            .take(half)
+            .rev()
+            .collect();
         let reach = |edge: &[(f64, f64)], t: f64, pick: fn(f64, f64) -> f64, none: f64| {
-            edge.windows(2).filter(|w| w[0].0 <= t && t <= w[1].0).fold(none, |best, w| {
-                let share = if w[1].0 > w[0].0 { (t - w[0].0) / (w[1].0 - w[0].0) } else { 0.0 };
-                pick(best, w[0].1 + share * (w[1].1 - w[0].1))
-            })
+            edge.windows(2)
+                .filter(|w| w[0].0 <= t && t <= w[1].0)
+                .fold(none, |best, w| {
+                    let share = if w[1].0 > w[0].0 {
+                        (t - w[0].0) / (w[1].0 - w[0].0)
+                    } else {
+                        0.0
+                    };
+                    pick(best, w[0].1 + share * (w[1].1 - w[0].1))
+                })
         };
         let mut seen = 0;
         for (t, lo, hi) in &truth {
@@ -405,18 +577,36 @@ fn what_a_browser_draws_encloses_the_tables() {
             seen += 1;
             // The table is rounded outward by less than this.
             let slack = 1e-11;
-            let (low, high) = (reach(&lower, *t, f64::min, f64::INFINITY), reach(&upper, *t, f64::max, f64::NEG_INFINITY));
-            assert!(low <= lo + slack && hi - slack <= high, "at {t}: [{low}, {high}] drawn, [{lo}, {hi}] proved");
+            let (low, high) = (
+                reach(&lower, *t, f64::min, f64::INFINITY),
+                reach(&upper, *t, f64::max, f64::NEG_INFINITY),
+            );
+            assert!(
+                low <= lo + slack && hi - slack <= high,
+                "at {t}: [{low}, {high}] drawn, [{lo}, {hi}] proved"
+            );
         }
         assert!(seen > 3);
     }
     // Numbers as text are rounded outward, and exact where they can be.
     for (x, digits, up, wanted) in [
-        ("0.1", 3, true, "0.101"), ("0.1", 3, false, "0.1"), ("0.3", 3, false, "0.299"), ("0.3", 3, true, "0.3"),
-        ("-0.1", 3, true, "-0.1"), ("-0.1", 3, false, "-0.101"), ("0.5", 3, true, "0.5"), ("999.96", 4, true, "1000"),
-        ("1e-12", 3, true, "1e-12"), ("8001", 6, true, "8001"), ("-47.5507", 4, false, "-47.56"),
+        ("0.1", 3, true, "0.101"),
+        ("0.1", 3, false, "0.1"),
+        ("0.3", 3, false, "0.299"),
+        ("0.3", 3, true, "0.3"),
+        ("-0.1", 3, true, "-0.1"),
+        ("-0.1", 3, false, "-0.101"),
+        ("0.5", 3, true, "0.5"),
+        ("999.96", 4, true, "1000"),
+        ("1e-12", 3, true, "1e-12"),
+        ("8001", 6, true, "8001"),
+        ("-47.5507", 4, false, "-47.56"),
     ] {
-        assert_eq!(browser.run(&format!("return rounded({x}, {digits}, {up})")), wanted, "{x} {up}");
+        assert_eq!(
+            browser.run(&format!("return rounded({x}, {digits}, {up})")),
+            wanted,
+            "{x} {up}"
+        );
     }
     assert_eq!(browser.complaints(), [""; 0]);
 }

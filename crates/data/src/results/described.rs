@@ -61,11 +61,19 @@ impl ModelSummary {
             name: model.name.clone(),
             file: model.source.name.clone(),
             sha256: sha256_of_text(&model.source.text),
-            states: states.map(|x| entry(&x.name, &x.unit, Some(x.init))).collect(),
+            states: states
+                .map(|x| entry(&x.name, &x.unit, Some(x.init)))
+                .collect(),
             inputs: inputs.map(|u| entry(&u.name, &u.unit, u.within)).collect(),
-            parameters: params.map(|p| entry(&p.name, &p.unit, Some(p.bounds))).collect(),
+            parameters: params
+                .map(|p| entry(&p.name, &p.unit, Some(p.bounds)))
+                .collect(),
             outputs: outputs.map(|y| entry(&y.name, &y.unit, None)).collect(),
-            signals: model.signals.iter().map(|signal| signal.name.clone()).collect(),
+            signals: model
+                .signals
+                .iter()
+                .map(|signal| signal.name.clone())
+                .collect(),
             modes: model.modes.iter().map(|mode| mode.name.clone()).collect(),
             jumps: model.jumps.len(),
             covered: match &model.coverage {
@@ -98,7 +106,13 @@ mod tests {
         let model = Model::from_text("m.toml", text).unwrap();
         let json = ModelSummary::new(&model, "forms".to_owned(), "all".to_owned());
         let json = json.to_json().unwrap();
-        for part in ["\"lo\": -1,", "\"hi\": 0.3", "\"hi\": -0.05", "\"unit\": \"m\"", "\"modes\": [\n    \"smooth\"\n  ]"] {
+        for part in [
+            "\"lo\": -1,",
+            "\"hi\": 0.3",
+            "\"hi\": -0.05",
+            "\"unit\": \"m\"",
+            "\"modes\": [\n    \"smooth\"\n  ]",
+        ] {
             assert!(json.contains(part), "no {part} in {json}");
         }
     }

@@ -148,9 +148,8 @@ impl ResultFolder {
         }
         // Empty after the last figure; not empty, and left alone, where the user keeps more in it.
         let _ = fs::remove_dir(self.path.join("fig"));
-        let (marks, others): (Vec<_>, Vec<_>) = results
-            .into_iter()
-            .partition(|file| file.is(&mark));
+        let (marks, others): (Vec<_>, Vec<_>) =
+            results.into_iter().partition(|file| file.is(&mark));
         others
             .into_iter()
             .chain(marks)

@@ -40,7 +40,9 @@ enum Values {
 
 impl std::fmt::Debug for ParquetTable {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("ParquetTable").field("names", &self.names).finish_non_exhaustive()
+        f.debug_struct("ParquetTable")
+            .field("names", &self.names)
+            .finish_non_exhaustive()
     }
 }
 
@@ -80,7 +82,11 @@ impl ParquetTable {
     }
 
     /// Takes a row that fits the columns.
-    pub(crate) fn row(&mut self, time: Option<&Decimal>, cells: &[Cell<'_>]) -> Result<(), Diagnostic> {
+    pub(crate) fn row(
+        &mut self,
+        time: Option<&Decimal>,
+        cells: &[Cell<'_>],
+    ) -> Result<(), Diagnostic> {
         let mut columns = self.columns.iter_mut();
         let mut put = |cell: Cell<'_>| {
             if let Some(column) = columns.next() {
@@ -103,13 +109,20 @@ impl ParquetTable {
             }
         }
         self.rows += 1;
-        if self.rows == GROUP { self.flush() } else { Ok(()) }
+        if self.rows == GROUP {
+            self.flush()
+        } else {
+            Ok(())
+        }
     }
 
     /// Ends the table.
     pub(crate) fn finish(mut self) -> Result<CompleteFile, Diagnostic> {
         self.flush()?;
-        let writer = self.writer.take().ok_or_else(|| unwritten("there is no writer"))?;
+        let writer = self
+            .writer
+            .take()
+            .ok_or_else(|| unwritten("there is no writer"))?;
         let file = writer.into_inner().map_err(|error| refuse(&error))?;
         file.finish()
     }
@@ -133,16 +146,20 @@ impl ParquetTable {
             let (physical, logical, repetition) = match values {
                 Values::Floats(_) => (Physical::DOUBLE, None, Repetition::OPTIONAL),
                 Values::Counts(_) => (Physical::INT64, None, Repetition::REQUIRED),
-                Values::Unknown | Values::Texts(_) => {
-                    (Physical::BYTE_ARRAY, Some(LogicalType::String), Repetition::REQUIRED)
-                }
+                Values::Unknown | Values::Texts(_) => (
+                    Physical::BYTE_ARRAY,
+                    Some(LogicalType::String),
+                    Repetition::REQUIRED,
+                ),
             };
             let field = Type::primitive_type_builder(name, physical);
             let field = field.with_repetition(repetition).with_logical_type(logical);
             field.build().map(Arc::new)
         });
         let fields = fields.collect::<Result<Vec<_>, _>>()?;
-        let schema = Type::group_type_builder("table").with_fields(fields).build()?;
+        let schema = Type::group_type_builder("table")
+            .with_fields(fields)
+            .build()?;
         let properties = WriterProperties::builder().set_compression(Compression::SNAPPY);
         SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties.build()))
     }
@@ -183,14 +200,18 @@ fn write_group(
             Values::Floats(list) => {
                 let levels: Vec<i16> = list.iter().map(|x| i16::from(x.is_some())).collect();
                 let known: Vec<f64> = list.drain(..).flatten().collect();
-                column.typed::<DoubleType>().write_batch(&known, Some(&levels), None)?;
+                column
+                    .typed::<DoubleType>()
+                    .write_batch(&known, Some(&levels), None)?;
             }
             Values::Counts(list) => {
                 column.typed::<Int64Type>().write_batch(list, None, None)?;
                 list.clear();
             }
             Values::Texts(list) => {
-                column.typed::<ByteArrayType>().write_batch(list, None, None)?;
+                column
+                    .typed::<ByteArrayType>()
+                    .write_batch(list, None, None)?;
                 list.clear();
             }
             Values::Unknown => {}
@@ -214,8 +235,11 @@ fn refuse(error: &ParquetError) -> Diagnostic {
 }
 
 fn unwritten(what: &str) -> Diagnostic {
-    Diagnostic::new("E0503", format!("a table cannot be written as Parquet: {what}"))
-        .help("leave out `--parquet`")
+    Diagnostic::new(
+        "E0503",
+        format!("a table cannot be written as Parquet: {what}"),
+    )
+    .help("leave out `--parquet`")
 }
 
 #[cfg(test)]
@@ -228,7 +252,9 @@ mod tests {
     #[test]
     fn a_table_has_its_twin_with_the_floats_themselves() {
         let place = tempfile::tempdir().unwrap();
-        let folder = ResultFolder::create(place.path()).unwrap().with_parquet(true);
+        let folder = ResultFolder::create(place.path())
+            .unwrap()
+            .with_parquet(true);
         let columns = vec![
             Column::Bounds("phi".into()),
             Column::plain("modes"),
@@ -236,7 +262,11 @@ mod tests {
         ];
         let mut table = TableWriter::create(&folder, "states.csv", columns).unwrap();
         let third = Interval::ONE / Interval::point(3.0);
-        let rows = [(third, "a,b"), (Interval::EMPTY, ""), (Interval::ENTIRE, "ä")];
+        let rows = [
+            (third, "a,b"),
+            (Interval::EMPTY, ""),
+            (Interval::ENTIRE, "ä"),
+        ];
         for (k, (bounds, modes)) in rows.iter().enumerate() {
             let time = Decimal::parse(&format!("0.{k}")).unwrap();
             let cells = [Cell::Bounds(*bounds), Cell::Text(modes), Cell::Count(k)];
@@ -246,26 +276,59 @@ mod tests {
         let file = std::fs::File::open(place.path().join("states.parquet")).unwrap();
         let reader = SerializedFileReader::new(file).unwrap();
         let rows: Vec<Vec<Field>> = { reader.get_row_iter(None).unwrap() }
-            .map(|row| row.unwrap().into_columns().into_iter().map(|(_, field)| field).collect())
+            .map(|row| {
+                row.unwrap()
+                    .into_columns()
+                    .into_iter()
+                    .map(|(_, field)| field)
+                    .collect()
+            })
             .collect();
         let (lo, hi) = (Field::Double(third.lo()), Field::Double(third.hi()));
         let text = |text: &str| Field::Str(text.to_owned());
-        assert_eq!(rows[0], [Field::Double(0.0), lo, hi, text("a,b"), Field::Long(0)]);
-        assert_eq!(rows[1], [Field::Double(0.1), Field::Null, Field::Null, text(""), Field::Long(1)]);
-        let (lo, hi) = (Field::Double(f64::NEG_INFINITY), Field::Double(f64::INFINITY));
-        assert_eq!(rows[2], [Field::Double(0.2), lo, hi, text("ä"), Field::Long(2)]);
+        assert_eq!(
+            rows[0],
+            [Field::Double(0.0), lo, hi, text("a,b"), Field::Long(0)]
+        );
+        assert_eq!(
+            rows[1],
+            [
+                Field::Double(0.1),
+                Field::Null,
+                Field::Null,
+                text(""),
+                Field::Long(1)
+            ]
+        );
+        let (lo, hi) = (
+            Field::Double(f64::NEG_INFINITY),
+            Field::Double(f64::INFINITY),
+        );
+        assert_eq!(
+            rows[2],
+            [Field::Double(0.2), lo, hi, text("ä"), Field::Long(2)]
+        );
     }
 
     #[test]
     fn a_table_without_rows_is_one() {
         let place = tempfile::tempdir().unwrap();
-        let folder = ResultFolder::create(place.path()).unwrap().with_parquet(true);
+        let folder = ResultFolder::create(place.path())
+            .unwrap()
+            .with_parquet(true);
         let columns = vec![Column::Bounds("k".into()), Column::plain("status")];
         let table = TableWriter::timeless(&folder, "paving.csv", columns).unwrap();
         table.finish().unwrap().put_in_place().unwrap();
         let file = std::fs::File::open(place.path().join("paving.parquet")).unwrap();
         let reader = SerializedFileReader::new(file).unwrap();
         assert_eq!(reader.metadata().file_metadata().num_rows(), 0);
-        assert_eq!(reader.metadata().file_metadata().schema_descr().num_columns(), 3);
+        assert_eq!(
+            reader
+                .metadata()
+                .file_metadata()
+                .schema_descr()
+                .num_columns(),
+            3
+        );
     }
 }

@@ -17,7 +17,10 @@ impl<'j> Printed<'j> {
     pub fn of(json: &'j str) -> Result<Printed<'j>, Diagnostic> {
         let raw = serde_json::from_str(json);
         raw.map(Printed).map_err(|error| {
-            Diagnostic::new("E0503", format!("the summary cannot be read again: {error}"))
+            Diagnostic::new(
+                "E0503",
+                format!("the summary cannot be read again: {error}"),
+            )
         })
     }
 
@@ -45,7 +48,9 @@ impl<'j> Printed<'j> {
 
     /// The JSON pointer (RFC 6901) to a place.
     pub fn pointer(path: &[&str]) -> String {
-        let escaped = path.iter().map(|name| name.replace('~', "~0").replace('/', "~1"));
+        let escaped = path
+            .iter()
+            .map(|name| name.replace('~', "~0").replace('/', "~1"));
         escaped.map(|name| format!("/{name}")).collect()
     }
 }

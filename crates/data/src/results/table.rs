@@ -224,11 +224,7 @@ impl TableWriter {
         self.push_cells(None, cells)
     }
 
-    fn push_cells(
-        &mut self,
-        time: Option<&Decimal>,
-        cells: &[Cell<'_>],
-    ) -> Result<(), Diagnostic> {
+    fn push_cells(&mut self, time: Option<&Decimal>, cells: &[Cell<'_>]) -> Result<(), Diagnostic> {
         let fits = |(column, cell): (&Column, &Cell<'_>)| {
             column.has_bounds() == matches!(cell, Cell::Bounds(_) | Cell::Exact(_))
         };

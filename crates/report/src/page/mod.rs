@@ -276,10 +276,19 @@ mod tests {
     #[test]
     fn outer_bounds_are_drawn_outward_and_inner_ones_inward() {
         let drawn = bar((0.0, 120.0), Some((10.04, 20.06)), Some((10.04, 20.06))).into_string();
-        assert!(drawn.contains(r#"class="outer" x="10.0" y="1" width="10.1""#), "{drawn}");
-        assert!(drawn.contains(r#"class="inner" x="10.1" y="3.5" width="9.9""#), "{drawn}");
+        assert!(
+            drawn.contains(r#"class="outer" x="10.0" y="1" width="10.1""#),
+            "{drawn}"
+        );
+        assert!(
+            drawn.contains(r#"class="inner" x="10.1" y="3.5" width="9.9""#),
+            "{drawn}"
+        );
         let thin = bar((0.0, 120.0), Some((120.0, 120.0)), Some((120.0, 120.0))).into_string();
-        assert!(thin.contains(r#"class="outer" x="118.5" y="1" width="1.5""#), "{thin}");
+        assert!(
+            thin.contains(r#"class="outer" x="118.5" y="1" width="1.5""#),
+            "{thin}"
+        );
         assert!(!thin.contains("inner"), "{thin}");
         assert_eq!(bar((0.0, f64::INFINITY), None, None).into_string(), "");
     }
@@ -314,6 +323,10 @@ mod tests {
         let text = page.render();
         assert!(!text.contains("alert(1)</script>"), "{text}");
         assert!(!text.contains("<script"), "{text}");
-        assert_eq!(text.matches("&lt;/script&gt;&lt;script&gt;alert(1)").count(), 12);
+        assert_eq!(
+            text.matches("&lt;/script&gt;&lt;script&gt;alert(1)")
+                .count(),
+            12
+        );
     }
 }

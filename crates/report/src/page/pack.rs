@@ -50,7 +50,9 @@ pub(crate) mod tests {
     pub fn unpacked(text: &str) -> Vec<u8> {
         let packed = STANDARD.decode(text).unwrap();
         let mut bytes = Vec::new();
-        GzDecoder::new(packed.as_slice()).read_to_end(&mut bytes).unwrap();
+        GzDecoder::new(packed.as_slice())
+            .read_to_end(&mut bytes)
+            .unwrap();
         bytes
     }
 
@@ -72,7 +74,11 @@ pub(crate) mod tests {
         let bytes = unpacked(&columns.packed());
         let mut from = 0;
         let back = floats(&bytes, &mut from, numbers.len());
-        assert!(back.iter().zip(numbers).all(|(a, b)| a.to_bits() == b.to_bits()));
+        assert!(
+            back.iter()
+                .zip(numbers)
+                .all(|(a, b)| a.to_bits() == b.to_bits())
+        );
         assert_eq!(bytes[from..from + 3], [1, 2, 3]);
         from += 3;
         assert_eq!(floats(&bytes, &mut from, 1), [7.5]);

@@ -138,7 +138,11 @@ impl Plots {
         let mut plots = Plots::default();
         plots.scene.time.clone_from(&meta.time_unit);
         plots.scene.refuted = history.refuted_at;
-        plots.track(history.detail(), history.milliseconds_series() + 1, history.marks());
+        plots.track(
+            history.detail(),
+            history.milliseconds_series() + 1,
+            history.marks(),
+        );
         let layer = |series, style, between, says| Layer {
             track: 0,
             series,
@@ -181,7 +185,12 @@ impl Plots {
         };
         let spent = Panel {
             color: theme::BLUE,
-            layers: vec![layer(history.milliseconds_series(), "count", "holds", "spent")],
+            layers: vec![layer(
+                history.milliseconds_series(),
+                "count",
+                "holds",
+                "spent",
+            )],
             line: meta.sample_time_ms,
             zero: true,
             ..Panel::of(&Quantity::new("time per sample", "ms"))
@@ -196,7 +205,11 @@ impl Plots {
         let meta = history.meta();
         let mut plots = Plots::default();
         plots.scene.time.clone_from(&meta.time_unit);
-        plots.track(history.detail(), history.milliseconds_series() + 1, history.marks());
+        plots.track(
+            history.detail(),
+            history.milliseconds_series() + 1,
+            history.marks(),
+        );
         let own = meta.states.len() + meta.outputs.len();
         plots.track(tube.since_detail(), own, 0);
         plots.track(tube.trajectories.cells(), tube.count * own, 0);
@@ -230,9 +243,8 @@ impl Plots {
         let states = states.map(|(i, quantity)| panel(quantity, history.state_series(i), i));
         plots.group("states", "States", legend.clone(), states.collect());
         let outputs = meta.outputs.iter().enumerate();
-        let outputs = outputs.map(|(j, quantity)| {
-            panel(quantity, history.output_series(j), meta.states.len() + j)
-        });
+        let outputs = outputs
+            .map(|(j, quantity)| panel(quantity, history.output_series(j), meta.states.len() + j));
         plots.group("outputs", "Outputs", legend, outputs.collect());
         plots.modes(&meta.modes);
         if meta.states.len() > 1 {
@@ -249,7 +261,8 @@ impl Plots {
             let axes = meta.states.iter().map(|quantity| Axis::of(quantity, None));
             let words = (
                 "Phase plane".to_owned(),
-                "States at all times together. What is not coloured is proved to be reached never.".to_owned(),
+                "States at all times together. What is not coloured is proved to be reached never."
+                    .to_owned(),
             );
             let legend = [None, Some("may be reached"), None];
             plots.plane(words, (axes.collect(), first), ("union", legend), reached);
@@ -263,7 +276,8 @@ impl Plots {
         if found.tiles.is_empty() || found.params.len() < 2 {
             return plots;
         }
-        let axes = { found.params.iter() }.map(|param| Axis::of(&param.quantity, Some(param.prior)));
+        let axes =
+            { found.params.iter() }.map(|param| Axis::of(&param.quantity, Some(param.prior)));
         let axes: Vec<Axis> = axes.collect();
         let first = Axis::first_open(&axes);
         let words = (
@@ -289,14 +303,20 @@ impl Plots {
         if boxes.is_empty() || axes.len() < 2 {
             return self;
         }
-        let axes = axes.iter().map(|axis| Axis::of(&axis.quantity, Some(axis.prior)));
+        let axes = axes
+            .iter()
+            .map(|axis| Axis::of(&axis.quantity, Some(axis.prior)));
         let axes: Vec<Axis> = axes.collect();
         let first = Axis::first_open(&axes);
         let words = (
             "What is left".to_owned(),
             format!(
                 "The {} after the last sample. What is not coloured is proved to contradict the record.",
-                if boxes.len() == 1 { "box".to_owned() } else { format!("{} boxes", boxes.len()) }
+                if boxes.len() == 1 {
+                    "box".to_owned()
+                } else {
+                    format!("{} boxes", boxes.len())
+                }
             ),
         );
         let tiles = boxes.into_iter().map(|params| PavingTile {
@@ -318,9 +338,13 @@ impl Plots {
         self.columns.floats(cells.iter().map(|cell| cell.t1));
         for at in 0..series {
             let band = |cell: &Cell| cell.band(at);
-            let lo = cells.iter().map(|cell| band(cell).map_or(f64::NAN, |band| band.lo));
+            let lo = cells
+                .iter()
+                .map(|cell| band(cell).map_or(f64::NAN, |band| band.lo));
             self.columns.floats(lo);
-            let hi = cells.iter().map(|cell| band(cell).map_or(f64::NAN, |band| band.hi));
+            let hi = cells
+                .iter()
+                .map(|cell| band(cell).map_or(f64::NAN, |band| band.hi));
             self.columns.floats(hi);
         }
         for at in 0..marks {
@@ -363,15 +387,20 @@ impl Plots {
         let tiles: Vec<PavingTile> = tiles.collect();
         let end = |tile: &PavingTile, at: usize| tile.params.get(at).copied();
         for at in 0..axes.len() {
-            let lo = tiles.iter().map(|tile| end(tile, at).map_or(f64::NAN, |x| x.0));
+            let lo = tiles
+                .iter()
+                .map(|tile| end(tile, at).map_or(f64::NAN, |x| x.0));
             self.columns.floats(lo);
-            let hi = tiles.iter().map(|tile| end(tile, at).map_or(f64::NAN, |x| x.1));
+            let hi = tiles
+                .iter()
+                .map(|tile| end(tile, at).map_or(f64::NAN, |x| x.1));
             self.columns.floats(hi);
         }
-        self.columns.bytes(tiles.iter().map(|tile| match tile.status {
-            TileStatus::Outside | TileStatus::Undecided => 1,
-            TileStatus::Inside => 2,
-        }));
+        self.columns
+            .bytes(tiles.iter().map(|tile| match tile.status {
+                TileStatus::Outside | TileStatus::Undecided => 1,
+                TileStatus::Inside => 2,
+            }));
         self.scene.planes.push(Plane {
             title,
             note,
@@ -432,4 +461,95 @@ fn spelled(lo: f64, hi: f64) -> (String, String) {
 
 fn finite(x: f64) -> Option<f64> {
     x.is_finite().then_some(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::pack::tests::{floats, unpacked};
+    use super::*;
+    use crate::history::SampleRow;
+    use crate::meta::FigureMeta;
+
+    /// A run of so many samples, with a name that could end a script.
+    fn history(samples: u32) -> History {
+        let mut history = History::new(FigureMeta {
+            outputs: vec![Quantity::new("</script>", "<rad>")],
+            params: vec![Parameter {
+                quantity: Quantity::new("k", ""),
+                prior: (-0.3, f64::INFINITY),
+                nominal: None,
+            }],
+            modes: vec!["slip".to_owned(), "stick".to_owned()],
+            page: true,
+            ..FigureMeta::default()
+        });
+        for k in 0..samples {
+            let t = f64::from(k) / 10.0;
+            history
+                .push(&SampleRow {
+                    t,
+                    outputs: &[(t - 0.1, t + 1.0 / 3.0)],
+                    measured: &[(k != 1).then_some((t - 0.2, t + 0.4))],
+                    params: &[(-0.3, f64::INFINITY)],
+                    resets: &[k == 2],
+                    modes: &[k == 0, true],
+                    boxes: 7,
+                    milliseconds: 0.5,
+                    ..SampleRow::default()
+                })
+                .unwrap();
+        }
+        history
+    }
+
+    #[test]
+    fn the_page_has_the_bounds_bit_by_bit() {
+        let history = history(3);
+        let plots = Plots::of_history(&history);
+        let bytes = unpacked(&plots.packed());
+        let mut from = 0;
+        let mut next = || floats(&bytes, &mut from, 3);
+        assert_eq!(next(), [0.0, 0.1, 0.2]);
+        assert_eq!(next(), [0.0, 0.1, 0.2]);
+        assert_eq!(next(), [-0.1, 0.1 - 0.1, 0.2 - 0.1]);
+        assert_eq!(next(), [1.0 / 3.0, 0.1 + 1.0 / 3.0, 0.2 + 1.0 / 3.0]);
+        // Measured; nothing at the second sample.
+        let measured = next();
+        assert!(measured[1].is_nan() && measured[0] == -0.2);
+        next();
+        assert_eq!(next(), [-0.3; 3]);
+        assert_eq!(next(), [f64::INFINITY; 3]);
+        for wanted in [7.0, 7.0, 0.5, 0.5] {
+            assert_eq!(next(), [wanted; 3]);
+        }
+        // Modes: possible beside others at first, then impossible and alone. Then the reset.
+        assert_eq!(bytes[from..], [3, 2, 2, 3, 1, 1, 0, 0, 1]);
+    }
+
+    #[test]
+    fn the_description_cannot_end_its_script() {
+        let plots = Plots::of_history(&history(3));
+        assert!(!plots.json().contains('<'));
+        let scene: serde_json::Value = serde_json::from_str(&plots.json()).unwrap();
+        assert_eq!(scene["groups"][0]["panels"][0]["name"], "</script>");
+        assert_eq!(
+            scene["groups"][1]["panels"][0]["prior"]["ends"][1],
+            serde_json::Value::Null
+        );
+        assert_eq!(
+            scene["groups"][1]["panels"][0]["prior"]["spelled"][0],
+            "-0.3"
+        );
+    }
+
+    /// Long records keep far more columns than the figures do, and not more than memory allows.
+    #[test]
+    fn many_samples_share_cells() {
+        let long = history(120_000);
+        let cells = long.detail().len();
+        assert!((50_000..=100_000).contains(&cells), "{cells}");
+        assert!(long.cells().len() <= 4000);
+        let figures_only = History::new(FigureMeta::default());
+        assert_eq!(figures_only.detail().len(), 0);
+    }
 }

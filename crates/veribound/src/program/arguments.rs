@@ -25,7 +25,13 @@ use veribound_model::diagnostic::Diagnostic;
 )]
 pub struct Arguments {
     /// Colours: on a terminal, if the environment does not say NO_COLOR; always; or never
-    #[arg(long, value_enum, value_name = "WHEN", default_value = "auto", global = true)]
+    #[arg(
+        long,
+        value_enum,
+        value_name = "WHEN",
+        default_value = "auto",
+        global = true
+    )]
     pub color: Color,
     /// What to do.
     #[command(subcommand)]
@@ -102,7 +108,12 @@ pub struct New {
     #[arg(value_name = "NAME")]
     pub name: PathBuf,
     /// What is in it
-    #[arg(long, value_name = "EXAMPLE", value_enum, default_value = "drive-train")]
+    #[arg(
+        long,
+        value_name = "EXAMPLE",
+        value_enum,
+        default_value = "drive-train"
+    )]
     pub example: super::starter::Example,
     /// Print one JSON document
     #[arg(long)]

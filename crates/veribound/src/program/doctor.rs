@@ -20,16 +20,46 @@ fn number(text: &str) -> Interval {
 /// Constants as tables of mathematics have them (DLMF), cut after 40 digits.
 const KNOWN: [Known; 9] = [
     ("0.1 + 0.2", "0.3", || number("0.1") + number("0.2")),
-    ("1 / 3", "0.3333333333333333333333333333333333333333", || {
-        number("1") / number("3")
-    }),
-    ("sqrt 2", "1.4142135623730950488016887242096980785696", || number("2").sqrt()),
-    ("exp 1", "2.7182818284590452353602874713526624977572", || number("1").exp()),
-    ("log 2", "0.6931471805599453094172321214581765680755", || number("2").ln()),
-    ("sin 1", "0.8414709848078965066525023216302989996225", || number("1").sin()),
-    ("cos 1", "0.5403023058681397174009366074429766037323", || number("1").cos()),
-    ("atan 1", "0.7853981633974483096156608458198757210492", || number("1").atan()),
-    ("tanh 1", "0.7615941559557648881194582826047935904127", || number("1").tanh()),
+    (
+        "1 / 3",
+        "0.3333333333333333333333333333333333333333",
+        || number("1") / number("3"),
+    ),
+    (
+        "sqrt 2",
+        "1.4142135623730950488016887242096980785696",
+        || number("2").sqrt(),
+    ),
+    (
+        "exp 1",
+        "2.7182818284590452353602874713526624977572",
+        || number("1").exp(),
+    ),
+    (
+        "log 2",
+        "0.6931471805599453094172321214581765680755",
+        || number("2").ln(),
+    ),
+    (
+        "sin 1",
+        "0.8414709848078965066525023216302989996225",
+        || number("1").sin(),
+    ),
+    (
+        "cos 1",
+        "0.5403023058681397174009366074429766037323",
+        || number("1").cos(),
+    ),
+    (
+        "atan 1",
+        "0.7853981633974483096156608458198757210492",
+        || number("1").atan(),
+    ),
+    (
+        "tanh 1",
+        "0.7615941559557648881194582826047935904127",
+        || number("1").tanh(),
+    ),
 ];
 
 /// A result may be wider than the best one, and not more than by this share.
@@ -86,7 +116,11 @@ pub fn run(arguments: &Doctor) -> Outcome {
         say(&findings.told());
     }
     trusted?;
-    Ok(if findings.healthy { Ending::Done } else { Ending::Misuse })
+    Ok(if findings.healthy {
+        Ending::Done
+    } else {
+        Ending::Misuse
+    })
 }
 
 /// Whether an operation holds the known value, and not much else.
@@ -113,7 +147,8 @@ impl Findings {
         );
         for check in &self.checks {
             let word = if check.passed { "ok     " } else { "FAILED " };
-            let found = { check.found.as_ref() }.map_or_else(String::new, |found| format!(": {found}"));
+            let found =
+                { check.found.as_ref() }.map_or_else(String::new, |found| format!(": {found}"));
             // Writing to a String cannot fail.
             let _ = writeln!(text, "  {word} {}{found}", check.name);
         }

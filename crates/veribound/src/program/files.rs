@@ -97,7 +97,8 @@ impl<'m> Files<'m> {
         } = &refutation.contradiction
         {
             let pair = |x: &Interval| (x.lo(), x.hi());
-            self.history.refute_by(*output, pair(enclosure), pair(measured));
+            self.history
+                .refute_by(*output, pair(enclosure), pair(measured));
         }
     }
 
@@ -114,7 +115,8 @@ impl<'m> Files<'m> {
         let mut files = vec![self.boxes(time, boxes)?, run_info.write(&self.folder)?];
         files.extend(self.figures(formats, overlay)?);
         if let Some(mut page) = page {
-            page.plots = Plots::of_history(&self.history).with_boxes(&self.axes(), self.flat(boxes));
+            page.plots =
+                Plots::of_history(&self.history).with_boxes(&self.axes(), self.flat(boxes));
             files.push(self.folder.write("report.html", page.render().as_bytes())?);
         }
         files.push(self.folder.write("summary.json", summary.as_bytes())?);

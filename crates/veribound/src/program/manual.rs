@@ -11,7 +11,12 @@ use veribound_model::diagnostic::Diagnostic;
 /// Prints the completions of a shell.
 pub fn completions(arguments: &Completions) -> Outcome {
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut Arguments::command(), "veribound", &mut script);
+    clap_complete::generate(
+        arguments.shell,
+        &mut Arguments::command(),
+        "veribound",
+        &mut script,
+    );
     message::say(&String::from_utf8_lossy(&script));
     Ok(Ending::Done)
 }
@@ -27,14 +32,18 @@ pub fn pages(arguments: &Man) -> Outcome {
         return Ok(Ending::Done);
     };
     let folder = ResultFolder::create(output)?;
-    let commands = command.get_subcommands().filter(|one| one.get_name() != "help");
+    let commands = command
+        .get_subcommands()
+        .filter(|one| one.get_name() != "help");
     let mut files = Vec::new();
     for one in std::iter::once(&command).chain(commands) {
         let name = one.get_display_name().unwrap_or(one.get_name());
         let page = page(one).map_err(|error| unwritten(&error))?;
         files.push(folder.write(&format!("{name}.1"), page.as_bytes())?);
     }
-    files.into_iter().try_for_each(veribound_data::CompleteFile::put_in_place)?;
+    files
+        .into_iter()
+        .try_for_each(veribound_data::CompleteFile::put_in_place)?;
     Ok(Ending::Done)
 }
 

@@ -77,8 +77,8 @@ pub fn run(arguments: &Observe) -> Outcome {
 
     // [2/4] The record, sample by sample.
     let interrupt = Interrupt::listen();
-    let folder = ResultFolder::create(&arguments.output)?
-        .with_parquet(arguments.showing.output.parquet);
+    let folder =
+        ResultFolder::create(&arguments.output)?.with_parquet(arguments.showing.output.parquet);
     let mut files = Files::create(&model, folder, meta)?;
     let bar = progress::of_samples(record.len(), quiet);
     let found = follow(

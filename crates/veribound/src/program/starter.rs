@@ -1,9 +1,9 @@
 //! `veribound new`: a folder with an example that runs.
 
+use super::Outcome;
 use super::arguments::New;
 use super::ending::Ending;
 use super::message::{say, say_json};
-use super::Outcome;
 use clap::ValueEnum;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -45,7 +45,10 @@ macro_rules! file {
     };
 }
 
-const CHECK: (&str, &str) = ("veribound check model.toml", "What the model file was understood to say.");
+const CHECK: (&str, &str) = (
+    "veribound check model.toml",
+    "What the model file was understood to say.",
+);
 
 impl Example {
     fn parts(self) -> Parts {
@@ -60,7 +63,10 @@ impl Example {
                 ],
                 commands: &[
                     CHECK,
-                    ("veribound observe model.toml rig.csv -o out", "Bounds sample by sample; open `out/report.html`."),
+                    (
+                        "veribound observe model.toml rig.csv -o out",
+                        "Bounds sample by sample; open `out/report.html`.",
+                    ),
                     (
                         "veribound observe model.toml rig.csv -o second --start-from out",
                         "A second pass starts from what the first one left.",
@@ -80,7 +86,10 @@ impl Example {
                 ],
                 commands: &[
                     CHECK,
-                    ("veribound observe model.toml record.csv -o out", "Bounds sample by sample; open `out/report.html`."),
+                    (
+                        "veribound observe model.toml record.csv -o out",
+                        "Bounds sample by sample; open `out/report.html`.",
+                    ),
                 ],
             },
             Example::BouncingBall => Parts {
@@ -124,7 +133,10 @@ impl Example {
                         "veribound enclose model.toml --until 5 --every 0.05 --sample 8 -o tube",
                         "All courses over five years, and eight true ones; open `tube/report.html`.",
                     ),
-                    ("veribound identify model.toml record.csv -o id", "Rates from a record, from both sides."),
+                    (
+                        "veribound identify model.toml record.csv -o id",
+                        "Rates from a record, from both sides.",
+                    ),
                 ],
             },
         }
@@ -154,9 +166,13 @@ pub fn run(arguments: &New) -> Outcome {
     let readme = readme(path, arguments.example, &parts);
     let texts = parts.files.iter().map(|(name, text)| (*name, *text));
     let texts: Vec<(&str, &str)> = texts.chain([("README.md", readme.as_str())]).collect();
-    let written = texts.iter().map(|(name, text)| folder.write(name, text.as_bytes()));
+    let written = texts
+        .iter()
+        .map(|(name, text)| folder.write(name, text.as_bytes()));
     let written: Vec<CompleteFile> = written.collect::<Result<_, _>>()?;
-    written.into_iter().try_for_each(CompleteFile::put_in_place)?;
+    written
+        .into_iter()
+        .try_for_each(CompleteFile::put_in_place)?;
     let made = Made {
         folder: path.display().to_string(),
         example: arguments.example.name(),
@@ -173,7 +189,9 @@ pub fn run(arguments: &New) -> Outcome {
 
 /// Refuses a place where there is something.
 fn refuse_used(path: &Path) -> Result<(), Diagnostic> {
-    let is_empty = path.read_dir().map_or(true, |mut entries| entries.next().is_none());
+    let is_empty = path
+        .read_dir()
+        .map_or(true, |mut entries| entries.next().is_none());
     if is_empty && !path.is_file() {
         return Ok(());
     }
@@ -193,7 +211,10 @@ fn told(made: &Made) -> String {
 
 /// The text that goes with the files.
 fn readme(path: &Path, example: Example, parts: &Parts) -> String {
-    let name = path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
+    let name = path.file_name().map_or_else(
+        || path.display().to_string(),
+        |name| name.to_string_lossy().into_owned(),
+    );
     let mut text = format!(
         "# {name}\n\nThe example `{}` of veribound. {}\n",
         example.name(),

@@ -36,7 +36,9 @@ fn columns_in(name: &str, dataset: &Dataset, is_matlab: bool) -> Result<Vec<Colu
     };
     let (rows, width) = (rows as usize, width as usize);
     if rows.checked_mul(width) != Some(values.len()) {
-        return Err(format!("`{name}` has another number of values than it says"));
+        return Err(format!(
+            "`{name}` has another number of values than it says"
+        ));
     }
     let values = if is_matlab || width == 1 {
         values
@@ -47,7 +49,9 @@ fn columns_in(name: &str, dataset: &Dataset, is_matlab: bool) -> Result<Vec<Colu
 }
 
 fn values(dataset: &Dataset) -> Option<Result<Values, hdf5_pure::Error>> {
-    fn whole<T: Into<i64>>(list: Result<Vec<T>, hdf5_pure::Error>) -> Result<Values, hdf5_pure::Error> {
+    fn whole<T: Into<i64>>(
+        list: Result<Vec<T>, hdf5_pure::Error>,
+    ) -> Result<Values, hdf5_pure::Error> {
         list.map(|list| Values::Whole(list.into_iter().map(Into::into).collect()))
     }
     let read = match dataset.dtype() {
@@ -74,7 +78,9 @@ fn values(dataset: &Dataset) -> Option<Result<Values, hdf5_pure::Error>> {
 fn by_columns(values: Values, rows: usize, width: usize) -> Values {
     fn turned<T: Copy>(list: &[T], rows: usize, width: usize) -> Vec<T> {
         let places = (0..width).flat_map(|at| (0..rows).map(move |row| row * width + at));
-        places.filter_map(|place| list.get(place).copied()).collect()
+        places
+            .filter_map(|place| list.get(place).copied())
+            .collect()
     }
     match values {
         Values::Floats(list) => Values::Floats(turned(&list, rows, width)),

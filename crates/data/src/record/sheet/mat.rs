@@ -41,7 +41,9 @@ pub(super) fn columns(bytes: &[u8]) -> Result<Vec<Column>, String> {
         let unpacked;
         let (kind, part) = if kind == COMPRESSED {
             let mut all = Vec::new();
-            let packed = ZlibDecoder::new(part.bytes).take(LONGEST).read_to_end(&mut all);
+            let packed = ZlibDecoder::new(part.bytes)
+                .take(LONGEST)
+                .read_to_end(&mut all);
             packed.map_err(|error| format!("a part of it cannot be decompressed ({error})"))?;
             unpacked = all;
             let mut whole = Part {
@@ -159,7 +161,12 @@ impl<'b> Part<'b> {
 }
 
 /// The columns of an array; `None` where it is damaged.
-fn array(mut part: Part<'_>, within: Option<&str>, depth: usize, columns: &mut Vec<Column>) -> Option<()> {
+fn array(
+    mut part: Part<'_>,
+    within: Option<&str>,
+    depth: usize,
+    columns: &mut Vec<Column>,
+) -> Option<()> {
     if part.bytes.is_empty() {
         // An empty field of a structure.
         return Some(());

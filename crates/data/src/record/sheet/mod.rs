@@ -76,8 +76,13 @@ impl Sheet {
         let refuse = |error| failure::unreadable(name, &error);
         let mut file = File::open(path).map_err(refuse)?;
         let mut start = Vec::new();
-        file.by_ref().take(32).read_to_end(&mut start).map_err(refuse)?;
-        let known = Format::ALL.iter().find(|(magic, _)| start.starts_with(magic));
+        file.by_ref()
+            .take(32)
+            .read_to_end(&mut start)
+            .map_err(refuse)?;
+        let known = Format::ALL
+            .iter()
+            .find(|(magic, _)| start.starts_with(magic));
         let Some((_, format)) = known else {
             return Ok(None);
         };
@@ -100,10 +105,17 @@ impl Sheet {
     fn of(columns: Vec<Column>) -> Option<Sheet> {
         let lengths = columns.iter().map(|column| column.values.len());
         let count = |length: usize| {
-            columns.iter().filter(|column| column.values.len() == length).count()
+            columns
+                .iter()
+                .filter(|column| column.values.len() == length)
+                .count()
         };
-        let rows = lengths.filter(|length| *length > 1).max_by_key(|length| (count(*length), *length))?;
-        let columns = columns.into_iter().filter(|column| column.values.len() == rows);
+        let rows = lengths
+            .filter(|length| *length > 1)
+            .max_by_key(|length| (count(*length), *length))?;
+        let columns = columns
+            .into_iter()
+            .filter(|column| column.values.len() == rows);
         Some(Sheet {
             columns: columns.collect(),
             rows,
@@ -157,7 +169,9 @@ fn float(x: f64) -> String {
 
 /// A field that no separator, comment sign or line end inside it can split.
 fn quoted(text: &str) -> String {
-    let text: String = { text.chars() }.map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let text: String = { text.chars() }
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
     if text.contains([',', ';', '"', '#']) {
         format!("\"{}\"", text.replace('"', "\"\""))
     } else {
@@ -287,7 +301,10 @@ mod tests {
             column("a, \"b\"", Values::Floats(vec![0.5, f64::NAN, 0.1])),
             column("n\n", Values::Whole(vec![-3, 0, 7])),
             column("short", Values::Floats(vec![1.0])),
-            column("#s", Values::Texts(["x", "", "1,5"].map(str::to_owned).to_vec())),
+            column(
+                "#s",
+                Values::Texts(["x", "", "1,5"].map(str::to_owned).to_vec()),
+            ),
             column("big", Values::Large(vec![u64::MAX, 0, 1])),
         ]);
         let mut text = String::new();

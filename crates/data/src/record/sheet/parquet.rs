@@ -23,10 +23,14 @@ fn is_whole(metadata: &ParquetMetaData, length: usize) -> bool {
     let mut parts = groups.flat_map(|group| group.columns());
     parts.all(|part| {
         let data = part.data_page_offset();
-        let start = part.dictionary_page_offset().map_or(data, |dictionary| dictionary.min(data));
+        let start = part
+            .dictionary_page_offset()
+            .map_or(data, |dictionary| dictionary.min(data));
         let size = part.compressed_size();
         let sizes = 0..=LONGEST;
-        let end = start.checked_add(size).and_then(|end| usize::try_from(end).ok());
+        let end = start
+            .checked_add(size)
+            .and_then(|end| usize::try_from(end).ok());
         start >= 0
             && sizes.contains(&size)
             && sizes.contains(&part.uncompressed_size())
@@ -37,7 +41,8 @@ fn is_whole(metadata: &ParquetMetaData, length: usize) -> bool {
 
 fn read(bytes: Vec<u8>) -> Result<Vec<Column>, String> {
     let length = bytes.len();
-    let reader = SerializedFileReader::new(Bytes::from(bytes)).map_err(|error| error.to_string())?;
+    let reader =
+        SerializedFileReader::new(Bytes::from(bytes)).map_err(|error| error.to_string())?;
     if !is_whole(reader.metadata(), length) {
         return Err("it is cut off or damaged".to_owned());
     }
@@ -46,7 +51,10 @@ fn read(bytes: Vec<u8>) -> Result<Vec<Column>, String> {
         .map(|field| field.name().to_owned())
         .collect();
     let mut lists: Vec<Vec<Field>> = names.iter().map(|_| Vec::new()).collect();
-    for row in reader.get_row_iter(None).map_err(|error| error.to_string())? {
+    for row in reader
+        .get_row_iter(None)
+        .map_err(|error| error.to_string())?
+    {
         let row = row.map_err(|error| error.to_string())?;
         for (list, (_, field)) in lists.iter_mut().zip(row.into_columns()) {
             list.push(field);

@@ -75,8 +75,7 @@ pub fn run(arguments: &Enclose) -> Outcome {
         said.iter()
             .for_each(|note| remark(&format!("note: {note}")));
     }
-    let folder =
-        ResultFolder::create(&arguments.output)?.with_parquet(arguments.showing.parquet);
+    let folder = ResultFolder::create(&arguments.output)?.with_parquet(arguments.showing.parquet);
 
     // [2/4] The enclosure, and true trajectories in it.
     let interrupt = Interrupt::listen();

@@ -18,9 +18,15 @@ pub fn page(
     let mut page = material.page("enclose", limits)?;
     let until = times.last().map_or_else(String::new, Decimal::to_string);
     (page.tone, page.headline) = match found.ending {
-        Ending::Done => (Tone::Bounds, format!("Proved: all solutions stay inside these bounds until {until} s")),
+        Ending::Done => (
+            Tone::Bounds,
+            format!("Proved: all solutions stay inside these bounds until {until} s"),
+        ),
         Ending::Interrupted => (Tone::Open, format!("Interrupted; proved until {until} s")),
-        _ => (Tone::Open, format!("Undecided: proved only until {until} s")),
+        _ => (
+            Tone::Open,
+            format!("Undecided: proved only until {until} s"),
+        ),
     };
     page.sentences.push(
         "Every start, parameter, disturbance and input error that the model file allows is covered, across all switches \
@@ -30,7 +36,10 @@ pub fn page(
     if let Some(reason) = told::reason(material.model, found) {
         page.sentences.push(format!("Why not further: {reason}."));
     }
-    if let Some(counts) = found.asked.then(|| super::trajectories::counted(&found.drawn)) {
+    if let Some(counts) = found
+        .asked
+        .then(|| super::trajectories::counted(&found.drawn))
+    {
         page.sentences.push(format!(
             "{} of {} random true trajectories are proved to lie inside, none outside ({} comparisons).",
             counts.inside, counts.drawn, counts.comparisons
@@ -96,7 +105,10 @@ fn limits(material: &Material<'_>, times: &[Decimal], found: &Findings) -> Vec<S
         && let Some(cause) = &found.obstacle
     {
         let until = times.last().map_or_else(String::new, Decimal::to_string);
-        said.push(format!("Nothing is proved beyond {until} s. Try {}.", cause.remedy));
+        said.push(format!(
+            "Nothing is proved beyond {until} s. Try {}.",
+            cause.remedy
+        ));
     }
     if found.past_use.is_empty() && found.ending == Ending::Done {
         said.push("No width grew past use.".to_owned());

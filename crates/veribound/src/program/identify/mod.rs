@@ -51,8 +51,7 @@ pub fn run(arguments: &Identify) -> Outcome {
     let data = Data::read(arguments, &model)?;
     said.extend(reading::assumed(&model, &data.records, &arguments.reading));
     reading::remarks(&data.records, &said, quiet);
-    let folder =
-        ResultFolder::create(&arguments.output)?.with_parquet(arguments.showing.parquet);
+    let folder = ResultFolder::create(&arguments.output)?.with_parquet(arguments.showing.parquet);
 
     // [2/4] The identification.
     let found = find(&model, &data, &arguments.options(), quiet);

@@ -16,7 +16,11 @@ use veribound_report::{Block, Entry, Page, Section, Table, Tone};
 pub fn page(material: &Material<'_>, data: &Data, found: &Findings) -> Result<Page, Diagnostic> {
     let mut page = material.page("identify", limits(material, found))?;
     let identified = &found.identified;
-    let interrupted = if identified.interrupted { ", interrupted" } else { "" };
+    let interrupted = if identified.interrupted {
+        ", interrupted"
+    } else {
+        ""
+    };
     let (tone, headline) = match &identified.conclusion {
         Conclusion::Inconsistent(_) => (Tone::Refuted, format!("Refuted: {NOTHING_EXPLAINS}")),
         Conclusion::Consistent => (
@@ -56,8 +60,14 @@ pub fn page(material: &Material<'_>, data: &Data, found: &Findings) -> Result<Pa
     if !identified.tiles.is_empty() {
         facts.extend::<[(&str, &[&str]); 3]>([
             ("tiles", &["paving", "tiles"]),
-            ("inside, share of the outer box at least", &["paving", "inside"]),
-            ("undecided, share of the outer box at most", &["paving", "undecided"]),
+            (
+                "inside, share of the outer box at least",
+                &["paving", "inside"],
+            ),
+            (
+                "undecided, share of the outer box at most",
+                &["paving", "undecided"],
+            ),
         ]);
     }
     page.after.insert(0, material.cost(&facts));
@@ -91,7 +101,11 @@ fn parameters(material: &Material<'_>, found: &Findings) -> Section {
     let rows = material.model.params.iter().zip(&bounds).enumerate();
     let rows = rows.map(|(at, (param, both))| {
         let place: &[&str] = &["parameters", &param.name];
-        let limit = found.identified.limits.get(at).map_or("", |limit| limit_in_words(*limit));
+        let limit = found
+            .identified
+            .limits
+            .get(at)
+            .map_or("", |limit| limit_in_words(*limit));
         let mut row = vec![
             Entry::Text(param.name.clone()),
             Entry::Text(param.unit.clone()),
@@ -105,7 +119,15 @@ fn parameters(material: &Material<'_>, found: &Findings) -> Section {
         row
     });
     let titles = [
-        "parameter", "unit", "prior", "outer bounds", "inner bounds", "", "too wide at most", "shrink", "limited by",
+        "parameter",
+        "unit",
+        "prior",
+        "outer bounds",
+        "inner bounds",
+        "",
+        "too wide at most",
+        "shrink",
+        "limited by",
     ];
     Section {
         title: "Bounds of the parameters".to_owned(),
@@ -121,17 +143,32 @@ fn starts(material: &Material<'_>, data: &Data, found: &Findings) -> Section {
     for record in 0..data.records.len() {
         let number = record.to_string();
         let bounds = found.start(material.model, record);
-        let rows = material.model.states.iter().zip(&bounds).map(|(state, both)| {
-            let place: &[&str] = &["starts", &number, "states", &state.name];
-            let mut row = vec![
-                Entry::Text(state.name.clone()),
-                Entry::Text(state.unit.clone()),
-            ];
-            row.extend(both_sides(material, place, both, state.init));
-            row
-        });
-        blocks.push(Block::Text(format!("At the first sample of {}:", data.name(record))));
-        let titles = ["state", "unit", "outer bounds", "inner bounds", "", "too wide at most"];
+        let rows = material
+            .model
+            .states
+            .iter()
+            .zip(&bounds)
+            .map(|(state, both)| {
+                let place: &[&str] = &["starts", &number, "states", &state.name];
+                let mut row = vec![
+                    Entry::Text(state.name.clone()),
+                    Entry::Text(state.unit.clone()),
+                ];
+                row.extend(both_sides(material, place, both, state.init));
+                row
+            });
+        blocks.push(Block::Text(format!(
+            "At the first sample of {}:",
+            data.name(record)
+        )));
+        let titles = [
+            "state",
+            "unit",
+            "outer bounds",
+            "inner bounds",
+            "",
+            "too wide at most",
+        ];
         blocks.push(Block::Table(Table {
             head: head(&titles),
             rows: rows.collect(),
@@ -180,17 +217,21 @@ pub fn limit_in_words(limit: Limit) -> &'static str {
 fn limits(material: &Material<'_>, found: &Findings) -> Vec<String> {
     if matches!(found.identified.conclusion, Conclusion::Inconsistent(_)) {
         return vec![
-            "Nothing: there are no bounds. Widen what is not certain, one thing at a time.".to_owned(),
+            "Nothing: there are no bounds. Widen what is not certain, one thing at a time."
+                .to_owned(),
         ];
     }
     let named = |wanted: Limit| {
         let params = material.model.params.iter().zip(&found.identified.limits);
         let names = params.filter(|(_, limit)| **limit == wanted);
-        names.map(|(param, _)| param.name.as_str()).collect::<Vec<_>>()
+        names
+            .map(|(param, _)| param.name.as_str())
+            .collect::<Vec<_>>()
     };
     let of = |wanted: Limit, advice: &str| {
         let names = named(wanted);
-        (!names.is_empty()).then(|| format!("{}: {}. {advice}", list(names), limit_in_words(wanted)))
+        (!names.is_empty())
+            .then(|| format!("{}: {}. {advice}", list(names), limit_in_words(wanted)))
     };
     let said = [
         of(

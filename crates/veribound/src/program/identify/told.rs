@@ -336,7 +336,12 @@ pub(super) mod tests {
     }
 
     fn shown(data: &Data, found: &Findings, place: &Path) -> String {
-        let text = table(&model(), data, found, (Path::new("out"), ", figures in fig/".to_owned()));
+        let text = table(
+            &model(),
+            data,
+            found,
+            (Path::new("out"), ", figures in fig/".to_owned()),
+        );
         text.replace(&format!("{}/", place.display()), "")
     }
 

@@ -78,7 +78,9 @@ impl<'r> Material<'r> {
 
     /// What a run cost, as the summary has it.
     pub fn cost(&self, facts: &[(&str, &[&str])]) -> Section {
-        let facts = facts.iter().map(|(name, path)| ((*name).to_owned(), self.value(path)));
+        let facts = facts
+            .iter()
+            .map(|(name, path)| ((*name).to_owned(), self.value(path)));
         Section {
             title: "What it cost".to_owned(),
             blocks: vec![Block::Facts(facts.collect())],
@@ -105,7 +107,8 @@ impl<'r> Material<'r> {
             file("started from", start);
         }
         let mut record = |what: &str, record: &RecordInfo| {
-            let mut push = |name: &str, text: String| facts.push((name.to_owned(), Entry::Text(text)));
+            let mut push =
+                |name: &str, text: String| facts.push((name.to_owned(), Entry::Text(text)));
             push(what, record.path.clone());
             push("SHA-256", record.sha256.clone());
             let (count, first, last) = (record.samples, &record.first, &record.last);
@@ -138,11 +141,23 @@ impl<'r> Material<'r> {
 
     /// How the run is repeated.
     fn repeat(&self) -> Result<Section, Diagnostic> {
-        let command: Vec<String> = self.info.program.command.iter().map(|word| quoted(word)).collect();
+        let command: Vec<String> = self
+            .info
+            .program
+            .command
+            .iter()
+            .map(|word| quoted(word))
+            .collect();
         let platform = &self.info.platform;
         let facts = [
-            ("program", format!("veribound {}", self.info.program.version)),
-            ("machine", format!("{}, {}", platform.system, platform.processor)),
+            (
+                "program",
+                format!("veribound {}", self.info.program.version),
+            ),
+            (
+                "machine",
+                format!("{}, {}", platform.system, platform.processor),
+            ),
             ("rounding", platform.rounding.clone()),
         ];
         Ok(Section {
@@ -154,7 +169,9 @@ impl<'r> Material<'r> {
                     text: command.join(" "),
                 },
                 Block::Facts(
-                    facts.map(|(name, text)| (name.to_owned(), Entry::Text(text))).to_vec(),
+                    facts
+                        .map(|(name, text)| (name.to_owned(), Entry::Text(text)))
+                        .to_vec(),
                 ),
                 Block::Listing {
                     title: Some("All options: run.toml".to_owned()),

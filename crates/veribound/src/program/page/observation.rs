@@ -101,7 +101,9 @@ fn proof(material: &Material<'_>, found: &Findings, problem: Diagnostic) -> Vec<
         if !unit.is_empty() {
             facts.push(("unit", Entry::Text(unit)));
         }
-        let facts = facts.into_iter().map(|(name, entry)| (name.to_owned(), entry));
+        let facts = facts
+            .into_iter()
+            .map(|(name, entry)| (name.to_owned(), entry));
         blocks.push(Block::Facts(facts.collect()));
     }
     blocks.push(Block::Listing {
@@ -140,11 +142,22 @@ fn bounds(material: &Material<'_>, found: &Findings) -> Section {
             material.bounds(&["states", &state.name]),
         ]
     });
-    let time = found.last.as_ref().map_or(String::new(), |(time, _)| format!(" at {time} s"));
+    let time = found
+        .last
+        .as_ref()
+        .map_or(String::new(), |(time, _)| format!(" at {time} s"));
     let mut blocks = Vec::new();
     if !material.model.params.is_empty() {
         blocks.push(Block::Table(Table {
-            head: head(&["parameter", "unit", "prior", "proved bounds", "", "shrink", ""]),
+            head: head(&[
+                "parameter",
+                "unit",
+                "prior",
+                "proved bounds",
+                "",
+                "shrink",
+                "",
+            ]),
             rows: params.collect(),
         }));
     }
@@ -170,16 +183,12 @@ fn work(material: &Material<'_>) -> Section {
 }
 
 /// What stands in the way of narrower bounds, as far as the run itself tells.
-fn limits(
-    material: &Material<'_>,
-    record: &Record,
-    found: &Findings,
-    boxes: usize,
-) -> Vec<String> {
+fn limits(material: &Material<'_>, record: &Record, found: &Findings, boxes: usize) -> Vec<String> {
     let mut said = Vec::new();
     if found.refutation.is_some() {
         said.push(
-            "Nothing: there are no bounds. Widen what is not certain, one thing at a time.".to_owned(),
+            "Nothing: there are no bounds. Widen what is not certain, one thing at a time."
+                .to_owned(),
         );
         return said;
     }
