@@ -1,6 +1,7 @@
 //! Where the bytes of a table come from.
 
 use crate::failure;
+use crate::record::sheet::Sheet;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -40,6 +41,16 @@ impl TableSource {
     /// The path as the user gave it, or the name of the text.
     pub fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// The columns of a file that is no text; `None` of one that is, and of a text in memory.
+    ///
+    /// *Errors*: `E0401`, `E0422`.
+    pub(crate) fn sheet(&self, name: &str) -> Result<Option<Sheet>, Diagnostic> {
+        match self.text {
+            Some(_) => Ok(None),
+            None => Sheet::read(&self.path, name),
+        }
     }
 
     /// Number of bytes, as far as that is known.

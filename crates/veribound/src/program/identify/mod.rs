@@ -3,20 +3,22 @@
 pub mod arguments;
 mod checkpoint;
 pub mod files;
+mod page;
 pub mod told;
 pub mod verdict;
 
-use super::arguments::{Format, Reading};
+use super::arguments::Reading;
 use super::ending::Ending;
 use super::interrupt::Interrupt;
 use super::message::say;
 use super::numbers::show_times;
+use super::page::{Material, is_wanted};
 use super::{Outcome, assumptions, overwriting, progress, reading, run_info};
 use arguments::Identify;
 use checkpoint::Checkpoint;
 use indicatif::ProgressBar;
 use std::time::Instant;
-use veribound_data::{Record, ResultFolder, TableSource};
+use veribound_data::{Printed, Record, ResultFolder, TableSource};
 use veribound_estimate::identify::{
     Bounds, Checkpoints, Conclusion, Identified, LeastError, Progress, Unreadable, least_error,
     resume,
@@ -101,8 +103,7 @@ pub fn run(arguments: &Identify) -> Outcome {
     if arguments.showing.json {
         say(&json);
     } else if !quiet {
-        let figures = !arguments.showing.figures.contains(&Format::None);
-        let place = (arguments.output.as_path(), figures);
+        let place = (arguments.output.as_path(), arguments.showing.pictures());
         say(&told::table(&model, &data, &found, place));
     }
     Ok(found.ending)
@@ -132,6 +133,7 @@ impl Prepared {
         let Prepared { model, data, said } = self;
         let folder = wants_files.then(|| ResultFolder::create(&arguments.output));
         let folder = folder.transpose()?;
+        let folder = folder.map(|folder| folder.with_parquet(arguments.showing.parquet));
         let checkpoint = folder
             .as_ref()
             .map(|folder| Checkpoint::new(folder, arguments, &model, &data));
@@ -139,10 +141,21 @@ impl Prepared {
         let json = told::summary(&model, &data, &found, said.clone()).to_json()?;
         if let Some(folder) = &folder {
             let info = run_info::of_identification(arguments, (&model, &data.records), &said);
+            let page = if is_wanted(&arguments.showing) {
+                let material = Material {
+                    model: &model,
+                    info: &info,
+                    printed: &Printed::of(&json)?,
+                    assumed: &said,
+                };
+                Some(page::page(&material, &data, &found)?)
+            } else {
+                None
+            };
             files::write(
                 (folder, &arguments.showing.figures),
                 (&model, &data, &found),
-                (&info, &json),
+                (&info, &json, page),
             )?;
         }
         // A run that was interrupted can go on.
