@@ -32,15 +32,18 @@ pub enum Engine {
     Forms,
     /// Two corners of a monotone right-hand side.
     Comparison,
+    /// As forms, by the closed form of right-hand sides that are affine in the states.
+    Closed,
 }
 
 impl Engine {
     /// All engines.
-    pub const ALL: [Engine; 4] = [
+    pub const ALL: [Engine; 5] = [
         Engine::Auto,
         Engine::Boxes,
         Engine::Forms,
         Engine::Comparison,
+        Engine::Closed,
     ];
 
     /// Its name in commands and results.
@@ -50,6 +53,7 @@ impl Engine {
             Engine::Boxes => "boxes",
             Engine::Forms => "forms",
             Engine::Comparison => "comparison",
+            Engine::Closed => "closed",
         }
     }
 }
@@ -146,9 +150,13 @@ impl Engines {
                 Ok(compared) => Answer::compared(compared),
                 Err(disorders) => Answer {
                     disorders,
-                    ..Answer::of(self.not_ordered(task), Engine::Comparison)
+                    ..Answer::of(
+                        self.nothing(task, (Obstacle::NotMonotone, 0)),
+                        Engine::Comparison,
+                    )
                 },
             },
+            Engine::Closed => Answer::of(self.closed(task, go_on), Engine::Closed),
         }
     }
 
@@ -171,11 +179,23 @@ impl Engines {
             .enclose(&self.flow, set, task.stretches, settings, go_on)
     }
 
-    /// Nothing proved, since nothing is ordered.
-    fn not_ordered(&self, task: Task<'_>) -> Enclosure {
+    /// Forms that move by closed forms.
+    fn closed(&self, task: Task<'_>, go_on: &dyn Fn(Standing) -> bool) -> Enclosure {
+        if let Some(state) = self.flow.curved() {
+            return self.nothing(task, (Obstacle::NotAffine, state));
+        }
+        let options = FormOptions {
+            closed: true,
+            ..task.options
+        };
+        self.forms(Task { options, ..task }, go_on)
+    }
+
+    /// Nothing proved, for want of what the engine asks for.
+    fn nothing(&self, task: Task<'_>, (obstacle, state): (Obstacle, usize)) -> Enclosure {
         let stopped = Diverged {
-            obstacle: Obstacle::NotMonotone,
-            state: 0,
+            obstacle,
+            state,
             reached: Interval::ZERO,
         };
         let part = Part {

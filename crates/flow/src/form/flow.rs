@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::closed::{Linear, slopes_of};
 use super::journey::{Journey, Meeting};
 use super::piece::{Piece, Shape};
 use super::proved::Outputs;
@@ -36,6 +37,8 @@ pub struct Flow {
 struct Store {
     graph: Graph,
     pieces: HashMap<Shape, Arc<Piece>>,
+    /// Of right-hand sides that are affine in the states.
+    linear: HashMap<Shape, Option<Arc<Linear>>>,
 }
 
 /// A stretch of time could not be proved. It says nothing about the existence of solutions.
@@ -79,6 +82,7 @@ impl Flow {
             store: Mutex::new(Store {
                 graph,
                 pieces: HashMap::new(),
+                linear: HashMap::new(),
             }),
         }
     }
@@ -203,14 +207,8 @@ impl Flow {
 
     /// The code of a regime.
     pub(super) fn piece(&self, regime: &Regime) -> Arc<Piece> {
-        let surfaces = self.switching.surfaces.list.iter().zip(&regime.signs);
-        let held = surfaces.filter(|(_, signs)| **signs == Signs::ZERO);
-        let held = held.filter_map(|(surface, _)| surface.level);
-        let shape = Shape {
-            rates: regime.rates.clone(),
-            watched: regime.watches.iter().map(|watch| watch.expr).collect(),
-            held: held.map(|level| (level.state, level.expr)).collect(),
-        };
+        let watched = regime.watches.iter().map(|watch| watch.expr);
+        let shape = self.shape(regime, watched.collect());
         let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
         let store = &mut *store;
         if let Some(piece) = store.pieces.get(&shape) {
@@ -219,6 +217,45 @@ impl Flow {
         let piece = Arc::new(Piece::compile(&mut store.graph, self.layout, &shape));
         store.pieces.insert(shape, Arc::clone(&piece));
         piece
+    }
+
+    /// A regime as affine function of the states; `None` if it is not.
+    pub(super) fn linear(&self, regime: &Regime) -> Option<Arc<Linear>> {
+        let shape = self.shape(regime, Vec::new());
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let store = &mut *store;
+        if let Some(known) = store.linear.get(&shape) {
+            return known.clone();
+        }
+        let linear = Linear::compile(&mut store.graph, self.layout, &shape).map(Arc::new);
+        store.linear.insert(shape, linear.clone());
+        linear
+    }
+
+    fn shape(&self, regime: &Regime, watched: Vec<ExprId>) -> Shape {
+        let surfaces = self.switching.surfaces.list.iter().zip(&regime.signs);
+        let held = surfaces.filter(|(_, signs)| **signs == Signs::ZERO);
+        let held = held.filter_map(|(surface, _)| surface.level);
+        Shape {
+            rates: regime.rates.clone(),
+            watched,
+            held: held.map(|level| (level.state, level.expr)).collect(),
+        }
+    }
+
+    /// A state whose rate is not affine in the states, in some mode and on some side of its kinks; `None` where all
+    /// are.
+    pub fn curved(&self) -> Option<usize> {
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let graph = &mut store.graph;
+        let mut rates = self.switching.rates.iter().flatten();
+        let curved = rates.find(|(_, rate)| {
+            [true, false].into_iter().any(|side| {
+                let straight = graph.straightened(*rate, &mut |_, _| Some(side));
+                slopes_of(graph, straight).is_none()
+            })
+        });
+        curved.map(|(state, _)| *state)
     }
 
     /// The inputs that an expression depends on.
