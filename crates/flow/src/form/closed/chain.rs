@@ -7,16 +7,21 @@
 use super::super::monomials::Monomials;
 use super::super::outward::raised;
 use super::value::{Matrix, image, product};
+use std::cell::OnceCell;
 use veribound_interval::Interval;
 
 /// Orders of the series on the shortest level.
 const ORDERS: usize = 13;
 
 /// The shortest level is so long that `A` times its length has at most this norm.
-const SHORT: f64 = 0.5;
+const SHORT: f64 = 0.125;
 
 /// Halvings at most.
 const MOST: usize = 48;
+
+/// What is below this share of the size of `Φ` is not looked at more closely, nor more parts than this.
+const LITTLE: f64 = 0.002;
+const PARTS: usize = 4096;
 
 /// Rounds in which the units of states are balanced.
 const BALANCING: usize = 16;
@@ -26,14 +31,14 @@ pub(super) struct Level {
     /// The time.
     pub(super) length: f64,
     /// `exp(A length)`, and bounds for all unknowns.
-    flow: Matrix,
+    pub(super) flow: Matrix,
     pub(super) end: Vec<Interval>,
     /// `Φ(length)`, and bounds for all unknowns.
     pub(super) integral: Matrix,
     moved: Vec<Interval>,
     pub(super) during: During,
-    /// Bounds of `∫_0^length |exp(A r)| dr`.
-    pub(super) reach: Vec<f64>,
+    /// Bounds of `∫_0^length |exp(A r)| dr`, once they are asked for.
+    reach: OnceCell<Vec<f64>>,
 }
 
 /// What holds at all times up to some time, for all unknowns.
@@ -53,14 +58,14 @@ pub(super) struct Chain {
     pub(super) levels: Vec<Level>,
     /// How often the length asked for was halved.
     pub(super) halvings: usize,
-    sizes: Sizes,
+    pub(super) sizes: Sizes,
 }
 
 /// `|A|` for all unknowns, and a norm that is small for it.
-struct Sizes {
+pub(super) struct Sizes {
     n: usize,
     sizes: Vec<f64>,
-    weights: Vec<f64>,
+    pub(super) weights: Vec<f64>,
     /// `max_i Σ_l |A|_il weights_l / weights_i`, from above.
     norm: f64,
     /// Whether there is a way of more than `ORDERS` slopes from one state to another.
@@ -102,6 +107,75 @@ impl Chain {
         Some(chain)
     }
 
+    /// Bounds of what rates that are off by at most `rates` at all times can move the states in the time of a level.
+    pub(super) fn gathered(&self, number: usize, rates: &[f64]) -> Vec<f64> {
+        if rates.iter().all(|rate| *rate == 0.0) {
+            return vec![0.0; rates.len()];
+        }
+        let reach = self.levels[number].reach.get_or_init(|| {
+            let n = rates.len();
+            let mut identity = vec![Interval::ZERO; n * n];
+            for i in 0..n {
+                identity[i * n + i] = Interval::ONE;
+            }
+            let mut little = vec![0.0_f64; n * n];
+            for level in &self.levels[..=number] {
+                for (little, moved) in little.iter_mut().zip(&level.moved) {
+                    *little = little.max(LITTLE * moved.mag());
+                }
+            }
+            self.reached((number, &identity), &little, &mut 0)
+        });
+        let rows = reach.chunks_exact(rates.len());
+        rows.map(|row| above(row, rates)).collect()
+    }
+
+    /// Bounds of `∫ |exp(A r) m| dr` over the time of a level, by entries, where parts of at most `little` are not looked
+    /// at more closely.
+    ///
+    /// Proof. An entry that keeps its sign has the integral of its absolute value in `|Φ m|`. Any other is at most its
+    /// largest value times the length, and at most what both halves give, of which the second begins at
+    /// `exp(A length / 2) m`.
+    fn reached(
+        &self,
+        (number, m): (usize, &[Interval]),
+        little: &[f64],
+        parts: &mut usize,
+    ) -> Vec<f64> {
+        let (n, level) = (self.slopes.n, &self.levels[number]);
+        let flow = product(n, &level.during.flow, m);
+        let moved = product(n, &level.moved, m);
+        let mut is_open = false;
+        let mut found: Vec<f64> = flow
+            .iter()
+            .zip(moved)
+            .zip(little)
+            .map(|((flow, moved), little)| {
+                if flow.lo() >= 0.0 || flow.hi() <= 0.0 {
+                    return moved.mag();
+                }
+                let most = raised(flow.mag() * level.length, 1);
+                is_open |= most > *little;
+                most
+            })
+            .collect();
+        *parts += 1;
+        if is_open && number > 0 && *parts < PARTS {
+            let half = &self.levels[number - 1];
+            let later = product(n, &half.end, m);
+            let first = self.reached((number - 1, m), little, parts);
+            let second = self.reached((number - 1, &later), little, parts);
+            for (own, (first, second)) in found.iter_mut().zip(first.iter().zip(second)) {
+                *own = own.min(if first + second == 0.0 {
+                    0.0
+                } else {
+                    raised(first + second, 1)
+                });
+            }
+        }
+        found
+    }
+
     /// Bounds for all times up to `length`, which is at most that of the shortest level.
     pub(super) fn short(&self, length: f64) -> During {
         self.sizes.short(&self.steep, length).0
@@ -130,9 +204,16 @@ impl Sizes {
         }
         let ratios = sizes.chunks_exact(n).zip(&weights).map(|(row, own)| {
             let sum: f64 = row.iter().zip(&weights).map(|(a, w)| a * w).sum();
-            if sum == 0.0 { 0.0 } else { raised(sum / own, n + 2) }
+            if sum == 0.0 {
+                0.0
+            } else {
+                raised(sum / own, n + 2)
+            }
         });
-        let norm = ratios.fold(0.0, |most: f64, x| if x > most || x.is_nan() { x } else { most });
+        let norm = ratios.fold(
+            0.0,
+            |most: f64, x| if x > most || x.is_nan() { x } else { most },
+        );
         let pattern: Vec<bool> = sizes.iter().map(|x| *x != 0.0).collect();
         let mut endless = pattern.clone();
         for _ in 0..ORDERS {
@@ -141,7 +222,10 @@ impl Sizes {
         // Any further ones: longer walks of at most n steps more reach all there is.
         for _ in 0..n {
             let more = walks(n, &endless, &pattern);
-            endless.iter_mut().zip(more).for_each(|(own, more)| *own |= more);
+            endless
+                .iter_mut()
+                .zip(more)
+                .for_each(|(own, more)| *own |= more);
         }
         Sizes {
             n,
@@ -204,7 +288,11 @@ impl Sizes {
         let time = Interval::new(0.0, length).unwrap_or(Interval::ENTIRE);
         let moving: Vec<Interval> = (0..n * n)
             .map(|k| {
-                let one = if k % (n + 1) == 0 { Interval::ONE } else { Interval::ZERO };
+                let one = if k % (n + 1) == 0 {
+                    Interval::ONE
+                } else {
+                    Interval::ZERO
+                };
                 if sum[k] == 0.0 {
                     time * one
                 } else {
@@ -239,17 +327,15 @@ impl Sizes {
         let flow = scaled.times(&series, monomials).plus_identity();
         let integral = series.times_float(length);
         let (during, _) = self.short(steep, length);
-        let mut level = Level {
+        Level {
             length,
             end: flow.hull(),
             moved: integral.hull(),
             flow,
             integral,
             during,
-            reach: Vec::new(),
-        };
-        level.reach = level.reached(None);
-        level
+            reach: OnceCell::new(),
+        }
     }
 }
 
@@ -266,7 +352,7 @@ impl Level {
         let further = product(n, &self.end, &self.during.moving);
         let both = self.during.flow.iter().zip(later);
         let moving = self.during.moving.iter().zip(&self.moved).zip(further);
-        let mut level = Level {
+        Level {
             length: 2.0 * self.length,
             end: flow.hull(),
             moved: integral.hull(),
@@ -278,36 +364,8 @@ impl Level {
                     .map(|((first, moved), second)| first.hull(*moved + second))
                     .collect(),
             },
-            reach: Vec::new(),
-        };
-        level.reach = level.reached(Some(self));
-        level
-    }
-
-    /// Bounds of `∫ |exp(A r)| dr` by entries.
-    ///
-    /// Proof. An entry that keeps its sign has the integral of its absolute value in `|Φ|`. Any other is at most its
-    /// largest value times the length, and at most the first half plus, in the second, `|exp(A r)| |exp(A t)|`.
-    fn reached(&self, half: Option<&Level>) -> Vec<f64> {
-        let n = self.flow.n;
-        let entry = |k: usize| {
-            let flow = self.during.flow[k];
-            if flow.lo() >= 0.0 || flow.hi() <= 0.0 {
-                return self.moved[k].mag();
-            }
-            let whole = raised(flow.mag() * self.length, 1);
-            let Some(half) = half else { return whole };
-            let (i, l) = (k / n, k % n);
-            let second = (0..n).map(|m| half.reach[i * n + m] * half.end[m * n + l].mag());
-            whole.min(raised(half.reach[k] + second.sum::<f64>(), n + 2))
-        };
-        (0..n * n).map(entry).collect()
-    }
-
-    /// Bounds of what rates that are off by at most `rates` at all times can move the states.
-    pub(super) fn gathered(&self, rates: &[f64]) -> Vec<f64> {
-        let rows = self.reach.chunks_exact(self.flow.n);
-        rows.map(|row| above(row, rates)).collect()
+            reach: OnceCell::new(),
+        }
     }
 
     /// Bounds of `exp(A length)` times a vector whose entries are at most `x` in size.

@@ -11,21 +11,20 @@ use super::super::outward::raised;
 use super::super::set::{Form, ParamForm};
 use super::super::step::{Arrival, Obstacle};
 use super::super::surfaces::Signs;
-use super::chain::{Chain, During, Level};
+use super::chain::{Chain, During};
 use super::linear::{Drive, Linear};
-use super::value::{Value, image, product};
+use super::value::{Matrix, Value, image, product};
 use veribound_interval::Interval;
 use veribound_model::ExprId;
 
 /// Times are told apart up to this power of one half of the time to go, where a sign may change.
 const FINEST: usize = 12;
 
-/// Bounds during a window may be wider than what both its ends say, by this share of the width met so far; the second
-/// one where there are many windows.
-const WIDER: [f64; 2] = [0.02, 0.25];
-
-/// What is below this share of a value is no width.
-const NOTHING: f64 = 1e-11;
+/// Bounds during a window may be wider than what both its ends say, by this share of the width met so far, and besides by
+/// this share of the size of a state; the second ones where there are many windows, with what is the size of a state
+/// beside the others.
+const WIDER: [f64; 2] = [0.02, 0.1];
+const NOTHING: [f64; 2] = [1e-11, 1e-3];
 
 /// So many windows are many, and so many a leap has at most.
 const MANY: usize = 256;
@@ -110,12 +109,26 @@ impl Leap<'_> {
     /// From `place` on, after the time of a level.
     fn after(&self, place: &Place, number: usize) -> Place {
         let level = &self.chain.levels[number];
-        let step = level
-            .integral
-            .applied(&place.velocity, &self.form.monomials);
-        let states = place.states.iter().zip(&step);
-        let states: Vec<Value> = states.map(|(x, step)| x.plus(step)).collect();
-        let gathered = level.gathered(&self.drive.spread).into_iter();
+        let applied = |matrix: &Matrix, x: &[Value]| matrix.applied(x, &self.form.monomials);
+        // What has decayed is not the difference of two large numbers, and what hardly moves is not their sum.
+        let steps = applied(&level.integral, &place.velocity);
+        let decayed = applied(&level.flow, &place.states);
+        let driven = applied(&level.integral, &self.drive.middle);
+        let parts = place
+            .states
+            .iter()
+            .zip(&steps)
+            .zip(decayed.iter().zip(&driven));
+        let states = parts.map(|((x, step), (decayed, driven))| {
+            let (moved, sum) = (x.plus(step), decayed.plus(driven));
+            if moved.radius() <= sum.radius() {
+                moved
+            } else {
+                sum
+            }
+        });
+        let states: Vec<Value> = states.collect();
+        let gathered = self.chain.gathered(number, &self.drive.spread).into_iter();
         let apart = level.carried(&place.apart).into_iter().zip(gathered);
         Place {
             at: place.at + (1 << number),
@@ -135,8 +148,9 @@ impl Leap<'_> {
     }
 
     /// The window of one level from `place` to `end`.
-    fn window(&self, place: &Place, level: &Level, end: Place) -> Window {
-        let gathered = level.gathered(&self.drive.spread);
+    fn window(&self, place: &Place, number: usize, end: Place) -> Window {
+        let level = &self.chain.levels[number];
+        let gathered = self.chain.gathered(number, &self.drive.spread);
         let (mut tube, mut speeds, rest) = self.during(place, &level.during, &gathered);
         let ends = hulls(&place.states).into_iter().zip(hulls(&end.states));
         let mut ends: Vec<(Interval, Interval)> = ends.collect();
@@ -197,7 +211,11 @@ impl Leap<'_> {
         let gathered = rows.map(|row| {
             let parts = row.iter().zip(&self.drive.spread);
             let all: f64 = parts.map(|(a, x)| a.mag() * x).sum();
-            if all == 0.0 { 0.0 } else { raised(off * all, row.len() + 2) }
+            if all == 0.0 {
+                0.0
+            } else {
+                raised(off * all, row.len() + 2)
+            }
         });
         let gathered: Vec<f64> = gathered.collect();
         let (tube, mut speeds, rest) = self.during(place, &during, &gathered);
@@ -267,7 +285,11 @@ impl Journey<'_> {
             // The end is not known better than that.
             let (tube, velocity) = leap.shortly(&walk.places[last], off);
             if certain(&tube) {
-                let count = if off <= walk.lengths[last - 1] { 1 } else { last };
+                let count = if off <= walk.lengths[last - 1] {
+                    1
+                } else {
+                    last
+                };
                 let before = walk.velocities[last - count..last].iter();
                 for (i, more) in more.iter_mut().enumerate() {
                     let speeds = before.clone().map(|v| v[i].mag());
@@ -400,10 +422,13 @@ impl Landing {
         let count = form.monomials.len();
         let (states, radii): (Vec<_>, Vec<f64>) =
             place.states.iter().map(|x| x.parts(count)).unzip();
-        let more = radii.iter().zip(more).map(|(radius, more)| match radius + more {
-            0.0 => Interval::ZERO,
-            sum => Interval::symmetric(raised(sum, 2)),
-        });
+        let more = radii
+            .iter()
+            .zip(more)
+            .map(|(radius, more)| match radius + more {
+                0.0 => Interval::ZERO,
+                sum => Interval::symmetric(raised(sum, 2)),
+            });
         let more: Vec<Interval> = more.collect();
         let mut during = vec![Interval::EMPTY; states.len()];
         for tube in &tubes {
@@ -472,7 +497,7 @@ impl<'a> Walk<'a> {
             }
             let level = &chain.levels[number];
             let end = self.place(place.at + (1 << number), top);
-            let window = self.leap.window(place, level, end);
+            let window = self.leap.window(place, number, end);
             let is_certain = certain(&window.tube);
             if !is_certain && number <= lowest {
                 return Reached::Sign;
@@ -508,11 +533,25 @@ impl<'a> Walk<'a> {
 
     /// Whether its tube is hardly wider than both ends say.
     fn is_narrow(&self, window: &Window) -> bool {
-        let wider = WIDER[usize::from(self.places.len() > MANY)];
-        let parts = window.tube.iter().zip(&self.whole).zip(&window.ends);
-        let mut parts = parts.map(|((tube, whole), ends)| {
-            let known = whole.hull(*ends);
-            tube.width() - ends.width() <= wider * known.width() + NOTHING * known.mag()
+        let are_many = self.places.len() > MANY;
+        let (wider, nothing) = (WIDER[usize::from(are_many)], NOTHING[usize::from(are_many)]);
+        let known = self.whole.iter().zip(&window.ends);
+        let known: Vec<Interval> = known.map(|(whole, ends)| whole.hull(*ends)).collect();
+        let weights = &self.leap.chain.sizes.weights;
+        let sizes = known.iter().zip(weights).map(|(x, w)| x.mag() / w);
+        let size = if are_many {
+            sizes.fold(0.0, f64::max)
+        } else {
+            0.0
+        };
+        let parts = window
+            .tube
+            .iter()
+            .zip(&window.ends)
+            .zip(known.iter().zip(weights));
+        let mut parts = parts.map(|((tube, ends), (known, weight))| {
+            let size = known.mag().max(size * weight);
+            tube.width() - ends.width() <= wider * known.width() + nothing * size
         });
         parts.all(|narrow| narrow)
     }

@@ -49,6 +49,11 @@ impl Value {
         (polynomial, self.radius)
     }
 
+    /// How far it can be from its polynomial.
+    pub(super) fn radius(&self) -> f64 {
+        self.radius
+    }
+
     /// An upper bound of absolute values.
     pub(super) fn size(&self) -> f64 {
         let sum: f64 = self.polynomial.iter().map(|x| x.abs()).sum();
@@ -259,7 +264,10 @@ impl Matrix {
 pub(super) fn image(n: usize, matrix: &[Interval], x: &[Interval]) -> Vec<Interval> {
     let rows = matrix.chunks_exact(n);
     rows.map(|row| {
-        let parts = row.iter().zip(x).filter(|(a, x)| !is_zero(**a) && !is_zero(**x));
+        let parts = row
+            .iter()
+            .zip(x)
+            .filter(|(a, x)| !is_zero(**a) && !is_zero(**x));
         parts.fold(Interval::ZERO, |sum, (a, x)| sum + *a * *x)
     })
     .collect()
