@@ -2,8 +2,8 @@
 //!
 //! All prove the same claim, that of [`Enclosure`], so bounds of several of them may be cut with each other, and none
 //! can say what another one refutes. [`Engine::Auto`] takes comparison bounds alone where nothing uncertain is left
-//! out of the order, since these are exact hulls; else forms, cut with comparison bounds where these have corners and
-//! the forms keep too little. Corners that keep unknowns are forms themselves, and they are asked piece by piece, with one
+//! out of the order, since these are exact hulls; else forms, by closed forms where modes are affine and inputs are held for
+//! long, cut with comparison bounds where these have corners and the forms keep too little. Corners that keep unknowns are forms themselves, and they are asked piece by piece, with one
 //! order after the other: they are given up where they are foreseen or found to cost four times as much as the forms.
 
 mod boxes;
@@ -19,6 +19,10 @@ use veribound_model::Model;
 
 /// Comparison bounds that keep unknowns may cost so many times as much as forms.
 const WORTH: f64 = 4.0;
+
+/// Closed forms are taken where the longest stretch, times how fast states change each other, is at least this: then
+/// forms need several steps for it.
+pub const LONG: f64 = 3.0;
 
 /// A way to enclose all solutions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -229,10 +233,15 @@ impl Engines {
             }
         }
         let spent = Cell::new(0.0);
-        let forms = self.forms(task, &|standing| {
+        let watched = |standing: Standing| {
             spent.set(spent.get() + standing.cost);
             go_on(standing)
-        });
+        };
+        let (engine, forms) = if self.is_long(task) {
+            (Engine::Closed, self.closed(task, &watched))
+        } else {
+            (Engine::Forms, self.forms(task, &watched))
+        };
         let left = |shares: &Vec<(_, f64)>| 1.0 - shares.iter().map(|share| share.1).sum::<f64>();
         let tight = forms.stopped.is_none()
             && forms
@@ -249,7 +258,7 @@ impl Engines {
                 compared = Some(self.compare(task, WORTH * spent.get(), go_on));
             }
         }
-        let mut answer = Answer::of(forms, Engine::Forms);
+        let mut answer = Answer::of(forms, engine);
         match compared {
             Some(Ok(compared)) if !compared.enclosure.ends.is_empty() => {
                 answer.enclosure = answer.enclosure.both(compared.enclosure);
@@ -261,6 +270,19 @@ impl Engines {
             _ => {}
         }
         answer
+    }
+
+    /// Whether there is a closed form, and a stretch that is long for forms.
+    fn is_long(&self, task: Task<'_>) -> bool {
+        let longest = task
+            .stretches
+            .iter()
+            .max_by(|a, b| a.dt.mid().total_cmp(&b.dt.mid()));
+        longest.is_some_and(|stretch| {
+            let quantities = [task.states, task.params, &stretch.inputs].concat();
+            let steepness = self.flow.steepness(&quantities);
+            steepness.is_some_and(|steepness| steepness * stretch.dt.mid() >= LONG)
+        })
     }
 
     /// The order at the start, and what has no place in it.

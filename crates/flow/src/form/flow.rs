@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::closed::{Linear, slopes_of};
+use super::closed::{Linear, balanced, slopes_of};
 use super::journey::{Journey, Meeting};
 use super::piece::{Piece, Shape};
 use super::proved::Outputs;
@@ -256,6 +256,33 @@ impl Flow {
             })
         });
         curved.map(|(state, _)| *state)
+    }
+
+    /// About how fast states of an affine model change each other in the middle of a set, in its fastest modes:
+    /// the spectral radius of the absolute values of their slopes, per second. A hint.
+    ///
+    /// `None` where some rate is not affine in the states.
+    pub fn steepness(&self, quantities: &[Interval]) -> Option<f64> {
+        if self.curved().is_some() {
+            return None;
+        }
+        let (n, layout) = (self.layout.states, self.layout);
+        let value = |var: Var| {
+            let all = quantities.get(layout.index(var));
+            Interval::point(all.map_or(0.0, |x| x.mid()))
+        };
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let graph = &mut store.graph;
+        let mut slopes = vec![0.0_f64; n * n];
+        for (state, rate) in self.switching.rates.iter().flatten() {
+            let straight = graph.straightened(*rate, &mut |_, _| Some(true));
+            for (by, slope) in slopes_of(graph, straight)? {
+                let size = graph.eval_interval(slope, &value).mag();
+                let entry = &mut slopes[state * n + by];
+                *entry = entry.max(size);
+            }
+        }
+        Some(balanced(n, &slopes).1)
     }
 
     /// The inputs that an expression depends on.

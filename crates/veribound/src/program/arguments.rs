@@ -464,6 +464,8 @@ pub enum EngineName {
     Forms,
     /// Two corners of what is monotone
     Comparison,
+    /// As forms, in closed form where a mode is affine in the states
+    Closed,
 }
 
 impl From<EngineName> for Engine {
@@ -473,6 +475,7 @@ impl From<EngineName> for Engine {
             EngineName::Boxes => Engine::Boxes,
             EngineName::Forms => Engine::Forms,
             EngineName::Comparison => Engine::Comparison,
+            EngineName::Closed => Engine::Closed,
         }
     }
 }

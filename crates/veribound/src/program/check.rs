@@ -2,17 +2,15 @@
 
 use super::arguments::Check;
 use super::ending::Ending;
-use super::engine::{outlook, plan};
+use super::engine::plan;
 use super::{Outcome, message};
-use veribound_flow::comparison::Comparison;
 use veribound_model::Model;
 
 /// Reads the model and describes it.
 pub fn run(arguments: &Check) -> Outcome {
     let model = Model::from_file(&arguments.model)?;
     let description = model.describe();
-    let outlook = outlook(&model, &Comparison::new(&model));
-    let plan = plan(&model, &outlook);
+    let plan = plan(&model);
     message::say(&format!("{}\n\n{plan}\n", description.trim_end()));
     Ok(Ending::Done)
 }

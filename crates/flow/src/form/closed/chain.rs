@@ -186,34 +186,7 @@ impl Sizes {
     fn of(slopes: &Matrix) -> Sizes {
         let n = slopes.n;
         let sizes: Vec<f64> = slopes.entries.iter().map(|x| x.size()).collect();
-        // Weights near the eigenvector of Perron make the norm the spectral radius of `|A|`; any are right.
-        let mut weights = vec![1.0; n];
-        for _ in 0..BALANCING {
-            let rows = sizes.chunks_exact(n);
-            let product: Vec<f64> = rows
-                .map(|row| row.iter().zip(&weights).map(|(a, w)| a * w).sum())
-                .collect();
-            let ratios = product.iter().zip(&weights).map(|(x, w)| x / w);
-            let shift = 0.5 * ratios.fold(0.0, f64::max) + 1e-300;
-            let shifted = product.iter().zip(&weights).map(|(x, w)| x + shift * w);
-            let shifted: Vec<f64> = shifted.collect();
-            let largest = shifted.iter().fold(1e-300, |most: f64, x| most.max(*x));
-            for (w, x) in weights.iter_mut().zip(shifted) {
-                *w = (x / largest).max(1e-12);
-            }
-        }
-        let ratios = sizes.chunks_exact(n).zip(&weights).map(|(row, own)| {
-            let sum: f64 = row.iter().zip(&weights).map(|(a, w)| a * w).sum();
-            if sum == 0.0 {
-                0.0
-            } else {
-                raised(sum / own, n + 2)
-            }
-        });
-        let norm = ratios.fold(
-            0.0,
-            |most: f64, x| if x > most || x.is_nan() { x } else { most },
-        );
+        let (weights, norm) = balanced(n, &sizes);
         let pattern: Vec<bool> = sizes.iter().map(|x| *x != 0.0).collect();
         let mut endless = pattern.clone();
         for _ in 0..ORDERS {
@@ -389,6 +362,39 @@ impl During {
     pub(super) fn moves(&self, v: &[Interval]) -> Vec<Interval> {
         image(v.len(), &self.moving, v)
     }
+}
+
+/// Weights `w`, and an upper bound of `max_i Σ_l sizes_il w_l / w_i`, near the spectral radius of a matrix that is not
+/// negative: that for weights near the eigenvector of Perron, which make it least. Any weights are right.
+pub(in super::super) fn balanced(n: usize, sizes: &[f64]) -> (Vec<f64>, f64) {
+    let mut weights = vec![1.0; n];
+    for _ in 0..BALANCING {
+        let rows = sizes.chunks_exact(n);
+        let product: Vec<f64> = rows
+            .map(|row| row.iter().zip(&weights).map(|(a, w)| a * w).sum())
+            .collect();
+        let ratios = product.iter().zip(&weights).map(|(x, w)| x / w);
+        let shift = 0.5 * ratios.fold(0.0, f64::max) + 1e-300;
+        let shifted = product.iter().zip(&weights).map(|(x, w)| x + shift * w);
+        let shifted: Vec<f64> = shifted.collect();
+        let largest = shifted.iter().fold(1e-300, |most: f64, x| most.max(*x));
+        for (w, x) in weights.iter_mut().zip(shifted) {
+            *w = (x / largest).max(1e-12);
+        }
+    }
+    let ratios = sizes.chunks_exact(n).zip(&weights).map(|(row, own)| {
+        let sum: f64 = row.iter().zip(&weights).map(|(a, w)| a * w).sum();
+        if sum == 0.0 {
+            0.0
+        } else {
+            raised(sum / own, n + 2)
+        }
+    });
+    let norm = ratios.fold(
+        0.0,
+        |most: f64, x| if x > most || x.is_nan() { x } else { most },
+    );
+    (weights, norm)
 }
 
 /// An upper bound of a sum of products of numbers that are not negative.
