@@ -159,7 +159,7 @@ impl Flow {
     }
 
     /// The model compiled for boxes.
-    pub(crate) fn system(&self) -> &System {
+    pub fn system(&self) -> &System {
         &self.system
     }
 

@@ -205,6 +205,10 @@ pub struct Method {
     #[arg(long, value_name = "SECONDS", default_value_t = ObserverOptions::default().step.longest,
           value_parser = positive)]
     pub longest_step: f64,
+    /// What moves boxes besides their own step: forms and closed keep from sample to sample how they depend on parameters,
+    /// which narrows more with few boxes and takes many times as long; auto leaves it at boxes
+    #[arg(long, value_name = "NAME", default_value = "auto")]
+    pub engine: EngineName,
 }
 
 /// What the run shows.
@@ -291,7 +295,11 @@ pub struct Simulate {
     /// Value of a disturbance for the whole record; the middle of its bounds where none is given
     #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',')]
     pub disturbance: Vec<Assignment>,
-    /// Chooses the errors
+    /// Draw what is not given from the model file: parameters and start values once, disturbances and errors of inputs
+    /// anew at every sample
+    #[arg(long)]
+    pub random: bool,
+    /// Chooses the errors, and what is drawn
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Decimal places of the written outputs
@@ -304,6 +312,18 @@ pub struct Simulate {
     /// Record to write (CSV); it appears when all of it is proved
     #[arg(short, long, value_name = "RECORD")]
     pub output: PathBuf,
+    /// Folder for the trajectory itself: states, outputs and modes over time, and figures of them
+    #[arg(long, value_name = "DIR")]
+    pub trajectory: Option<PathBuf>,
+    /// Formats of the figures
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "FORMAT",
+        default_value = "svg,png"
+    )]
+    pub figures: Vec<Format>,
 }
 
 /// Flags of `veribound enclose`.
@@ -412,6 +432,7 @@ impl Method {
             },
             merge_across_modes: self.merge_across_modes,
             step: ObserverOptions::default().step,
+            engine: self.engine.into(),
         };
         options.step.order = self.order;
         options.step.halvings = self.halvings;

@@ -24,6 +24,7 @@ mod run_info;
 mod same_units;
 mod simulate;
 mod table;
+mod trajectory;
 mod verdict;
 
 use arguments::{Arguments, Command};

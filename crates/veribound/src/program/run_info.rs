@@ -196,6 +196,7 @@ fn options(arguments: &Observe, assumptions: &[String]) -> Table {
         Value::Boolean(method.merge_across_modes),
     );
     put("parameter_rule", named(method.parameter_rule));
+    put("engine", named(method.engine));
     put("figures", formats(&showing.output.figures));
     put("zoom", Value::String(showing.zoom.to_string()));
     for (name, folder) in [

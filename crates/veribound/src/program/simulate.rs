@@ -7,6 +7,7 @@ use super::interrupt::Interrupt;
 use super::message::{flag_problem, list, remark};
 use super::noise::{Noise, Written};
 use super::profile::{Profile, Stretch};
+use super::trajectory::Trajectory;
 use super::{Outcome, numbers, overwriting, progress};
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -21,6 +22,49 @@ use veribound_model::{ErrorBound, ExprId, Model, Output, Var};
 /// record would be made of the method's width instead of the asked errors.
 const LARGEST_SLACK: f64 = 0.1;
 
+/// Values that nobody gave.
+struct Draws {
+    noise: Noise,
+    /// What was drawn once, by name.
+    told: String,
+}
+
+impl Draws {
+    /// Other numbers than those of the errors, for the same seed.
+    fn new(seed: u64) -> Draws {
+        Draws {
+            noise: Noise::new(!seed, 0),
+            told: String::new(),
+        }
+    }
+
+    /// A number in these bounds, as the shortest decimal that says which float is meant.
+    fn point(&mut self, bounds: Interval) -> Interval {
+        self.decimal(bounds)
+            .map_or(bounds, |(_, decimal)| decimal.to_interval())
+    }
+
+    fn named(&mut self, name: &str, bounds: Interval) -> Interval {
+        let Some((text, decimal)) = self.decimal(bounds) else {
+            return bounds;
+        };
+        let _ = write!(self.told, " {name}={text}");
+        decimal.to_interval()
+    }
+
+    fn decimal(&mut self, bounds: Interval) -> Option<(String, Decimal)> {
+        if is_number(bounds) || !bounds.is_bounded() {
+            return None;
+        }
+        let share = 0.5 + 0.5 * self.noise.share();
+        let x = bounds.lo() + share * (bounds.hi() - bounds.lo());
+        let text = format!("{}", x.clamp(bounds.lo(), bounds.hi()));
+        let decimal = Decimal::parse(&text).ok()?;
+        // The decimal may lie outside by less than a float.
+        Some((text, decimal)).filter(|(_, decimal)| decimal.to_interval().is_subset_of(bounds))
+    }
+}
+
 /// A parameter that takes a new value.
 struct Change {
     time: Decimal,
@@ -34,20 +78,28 @@ pub fn run(arguments: &Simulate) -> Outcome {
     let profile = arguments.times.input.as_deref();
     files.extend(profile.map(|path| ("the profile", path)));
     overwriting::refuse_record(&arguments.output, &files)?;
+    if let Some(folder) = &arguments.trajectory {
+        overwriting::refuse_results(folder, &files, &[])?;
+    }
     let model = Model::from_file(&arguments.model)?;
-    let params = params(&model, &arguments.params)?;
-    let start = start(&model, &arguments.start)?;
+    let mut draws = arguments.random.then(|| Draws::new(arguments.seed));
+    let params = params(&model, &arguments.params, draws.as_mut())?;
+    let start = start(&model, &arguments.start, draws.as_mut())?;
     let changes = changes(&model, &arguments.change)?;
     outside_the_prior(&model, &params, &changes);
     let mut profile = Profile::open(&arguments.times, &model)?;
     let interrupt = Interrupt::listen();
     let mut file = create(&arguments.output)?;
-    let disturbances = disturbances(&model, &arguments.disturbance)?;
+    let disturbances = disturbances(&model, &arguments.disturbance, arguments.random)?;
+    let mut trajectory = match &arguments.trajectory {
+        Some(folder) => Some(Trajectory::create(folder, &model)?),
+        None => None,
+    };
     let mut simulation = Simulation::new(&model, &params, &start, arguments.steps);
     let mut noise = Noise::new(arguments.seed, arguments.decimals);
     let mut open = changes.into_iter().peekable();
     let bar = progress::of_parts(progress::PARTS, "simulated", false);
-    let mut text = header(arguments, &model);
+    let mut text = header(arguments, &model, draws.as_ref());
     let mut samples = 0;
     while let Some(stretch) = profile.next()? {
         if interrupt.is_asked() {
@@ -61,7 +113,15 @@ pub fn run(arguments: &Simulate) -> Outcome {
             mut inputs,
             to_next,
         } = stretch;
-        inputs.extend(&disturbances);
+        if let Some(draws) = &mut draws {
+            for (value, input) in inputs.iter_mut().zip(model.recorded_inputs()) {
+                *value = draws.point(input.error.enclose(*value));
+            }
+        }
+        inputs.extend(disturbances.iter().map(|known| match (known, &mut draws) {
+            (Held::Free(bounds), Some(draws)) => draws.point(*bounds),
+            (Held::Free(x) | Held::At(x), _) => *x,
+        }));
         while let Some(change) = open.next_if(|change| change.time <= time) {
             simulation.change(change.param, change.value.to_interval());
         }
@@ -76,6 +136,9 @@ pub fn run(arguments: &Simulate) -> Outcome {
             arguments.error.as_ref(),
             &mut noise,
         )?;
+        if let Some(trajectory) = &mut trajectory {
+            trajectory.push(&time, &simulation, &inputs)?;
+        }
         file.write_all(text.as_bytes())
             .map_err(|error| file.refuse(&error))?;
         text.clear();
@@ -90,6 +153,9 @@ pub fn run(arguments: &Simulate) -> Outcome {
     file.write_all(text.as_bytes())
         .map_err(|error| file.refuse(&error))?;
     file.finish()?.put_in_place()?;
+    if let Some(trajectory) = trajectory {
+        trajectory.finish(&arguments.figures)?;
+    }
     bar.finish_and_clear();
     remark(&format!(
         "  {samples} samples in {}",
@@ -194,7 +260,11 @@ fn size_of(bound: &ErrorBound, value: Interval) -> f64 {
     (absolute + relative) * (1.0 - f64::EPSILON * 4.0)
 }
 
-fn params(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnostics> {
+fn params(
+    model: &Model,
+    given: &[Assignment],
+    mut draws: Option<&mut Draws>,
+) -> Result<Vec<Interval>, Diagnostics> {
     let names: Vec<&str> = model
         .params
         .iter()
@@ -203,7 +273,8 @@ fn params(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnost
     let values = assigned(("--params", "parameter"), &names, given)?;
     let known = model.params.iter().zip(&values).map(|(param, value)| {
         let own = Some(param.bounds).filter(|bounds| is_number(*bounds));
-        value.as_ref().map(Decimal::to_interval).or(own)
+        let known = value.as_ref().map(Decimal::to_interval).or(own);
+        known.or_else(|| Some(draws.as_mut()?.named(&param.name, param.bounds)))
     });
     let values: Vec<Option<Interval>> = known.collect();
     let missing = names
@@ -226,7 +297,11 @@ fn is_number(x: Interval) -> bool {
     x.is_point() || x.lo().next_up() == x.hi()
 }
 
-fn start(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnostics> {
+fn start(
+    model: &Model,
+    given: &[Assignment],
+    mut draws: Option<&mut Draws>,
+) -> Result<Vec<Interval>, Diagnostics> {
     let names: Vec<&str> = model
         .states
         .iter()
@@ -238,6 +313,10 @@ fn start(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnosti
         match value {
             Some(value) => start.push(value.to_interval()),
             None if is_number(state.init) => start.push(state.init),
+            None if draws.is_some() => {
+                let drawn = draws.as_mut();
+                start.extend(drawn.map(|draws| draws.named(&state.name, state.init)));
+            }
             None => {
                 let init = numbers::show_prior(state.init);
                 let message = format!("the state `{}` starts anywhere in {init}", state.name);
@@ -250,8 +329,20 @@ fn start(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnosti
     Ok(start)
 }
 
-/// What every disturbance is all the time: as asked, else the middle of its bounds.
-fn disturbances(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnostic> {
+/// What a disturbance is.
+enum Held {
+    /// This all the time.
+    At(Interval),
+    /// Anything in here, drawn anew at every sample.
+    Free(Interval),
+}
+
+/// What every disturbance is: as asked, else anything where it is drawn, else the middle of its bounds.
+fn disturbances(
+    model: &Model,
+    given: &[Assignment],
+    is_random: bool,
+) -> Result<Vec<Held>, Diagnostic> {
     let names: Vec<&str> = model
         .disturbances()
         .map(|(input, _)| input.name.as_str())
@@ -259,6 +350,10 @@ fn disturbances(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Di
     let values = assigned(("--disturbance", "disturbance"), &names, given)?;
     let mut held = Vec::new();
     for ((input, bounds), value) in model.disturbances().zip(values) {
+        if value.is_none() && is_random {
+            held.push(Held::Free(bounds));
+            continue;
+        }
         let value = value.map_or(Interval::point(bounds.mid()), |value| value.to_interval());
         if !value.is_subset_of(bounds) {
             let message = format!(
@@ -270,7 +365,7 @@ fn disturbances(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Di
             return Err(Diagnostic::new("E0608", message)
                 .help(format!("choose a value in {bounds}, or change the model")));
         }
-        held.push(value);
+        held.push(Held::At(value));
     }
     Ok(held)
 }
@@ -347,7 +442,7 @@ fn changes(model: &Model, given: &[String]) -> Result<Vec<Change>, Diagnostic> {
 }
 
 /// The comment that repeats the record, and the names of the columns.
-fn header(arguments: &Simulate, model: &Model) -> String {
+fn header(arguments: &Simulate, model: &Model, draws: Option<&Draws>) -> String {
     let assignments = |list: &[Assignment]| {
         let each = list.iter().map(|one| format!("{}={}", one.name, one.value));
         each.collect::<Vec<_>>().join(",")
@@ -358,7 +453,10 @@ fn header(arguments: &Simulate, model: &Model) -> String {
     };
     let mut line = format!("# veribound simulate {}", file(&arguments.model));
     let mut flag = |name: &str, value: String| {
-        let _ = write!(line, " --{name} {value}");
+        let _ = write!(line, " --{name}");
+        if !value.is_empty() {
+            let _ = write!(line, " {value}");
+        }
     };
     if !arguments.params.is_empty() {
         flag("params", assignments(&arguments.params));
@@ -389,6 +487,9 @@ fn header(arguments: &Simulate, model: &Model) -> String {
         Some(ErrorFlag::Worst) => flag("error", "worst".to_owned()),
         None => {}
     }
+    if arguments.random {
+        flag("random", String::new());
+    }
     flag("seed", arguments.seed.to_string());
     flag("decimals", arguments.decimals.to_string());
     flag("steps", arguments.steps.to_string());
@@ -413,6 +514,10 @@ fn header(arguments: &Simulate, model: &Model) -> String {
         .iter()
         .map(|s| column(&s.name, s.column.as_ref(), ""));
     columns.extend(inputs.chain(outputs).chain(signals));
+    let drawn = draws.map_or("", |draws| draws.told.as_str());
+    if !drawn.is_empty() {
+        let _ = write!(line, "\n# drawn:{drawn}");
+    }
     format!("{line}\n{}\n", columns.join(","))
 }
 

@@ -12,6 +12,7 @@ use super::message::{remark, say};
 use super::profile::{Profile, Stretch};
 use super::{Outcome, engine, overwriting, progress, run_info};
 use diagnosis::{Cause, PastUse};
+pub use files::{meta, mode_names, plane};
 use std::time::Instant;
 use trajectories::Drawn;
 use veribound_data::{RecordInfo, ResultFolder};
