@@ -396,12 +396,12 @@ fn engines_besides_boxes() {
     ];
     for (number, engine) in engines.into_iter().enumerate() {
         for (of, experiment) in experiments.into_iter().enumerate() {
-            for rig in 0..rigs() / 60 {
+            for rig in 0..rigs().div_ceil(125) {
                 let mut rng = Rng(seed() * 77_777 + 100 * rig + 10 * number as u64 + of as u64);
                 let case = case(&mut rng, experiment);
                 let options = ObserverOptions {
-                    boxes: 1 + rng.below(6),
-                    bisections: rng.below(6),
+                    boxes: 1 + rng.below(3),
+                    bisections: rng.below(4),
                     engine,
                     ..random_options(&mut rng)
                 };

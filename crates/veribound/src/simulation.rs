@@ -37,7 +37,9 @@ pub struct Simulation {
     boxes: Vec<Vec<Interval>>,
     /// Their hull.
     states: Vec<Interval>,
-    /// What keeps rotations and long times from making boxes wide; none where it has to begin anew.
+    /// Whether forms are asked.
+    keeps: bool,
+    /// None where it has to begin anew.
     form: Option<Form>,
     tube: Vec<Interval>,
     modes: ModeSet,
@@ -86,6 +88,7 @@ impl Simulation {
             params: params.to_vec(),
             boxes: vec![start.to_vec()],
             states: start.to_vec(),
+            keeps: false,
             form: None,
             tube: start.to_vec(),
             modes: ModeSet::EMPTY,
@@ -100,6 +103,13 @@ impl Simulation {
         self.states = start.to_vec();
         self.tube = start.to_vec();
         self.form = None;
+    }
+
+    /// Keeps, from now on or no more, how states depend on each other: boxes, which forget it, grow with every turn of
+    /// an oscillation. The states are narrower, and take longer.
+    pub fn keeping(mut self, keeps: bool) -> Simulation {
+        self.keeps = keeps;
+        self
     }
 
     /// Makes so many internal steps for every stretch from now on.
@@ -171,7 +181,7 @@ impl Simulation {
     /// The form after `dt`, which boxes that jump one after the other have none of.
     fn formed(&mut self, inputs: &[Interval], dt: Interval) -> Option<Form> {
         let form = self.form.take();
-        if self.boxes.len() > 1 {
+        if !self.keeps || self.boxes.len() > 1 {
             return None;
         }
         let options = FormOptions::default();

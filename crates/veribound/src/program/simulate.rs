@@ -23,6 +23,7 @@ use veribound_model::{ErrorBound, ExprId, Model, Output, Var};
 const LARGEST_SLACK: f64 = 0.1;
 
 /// Values that nobody gave.
+#[derive(Clone)]
 struct Draws {
     noise: Noise,
     /// What was drawn once, by name.
@@ -56,11 +57,11 @@ impl Draws {
         if is_number(bounds) || !bounds.is_bounded() {
             return None;
         }
-        let share = 0.5 + 0.5 * self.noise.share();
+        // Not at the ends, so that rounding to a decimal stays inside.
+        let share = 0.5 + 0.4999 * self.noise.share();
         let x = bounds.lo() + share * (bounds.hi() - bounds.lo());
         let text = format!("{}", x.clamp(bounds.lo(), bounds.hi()));
         let decimal = Decimal::parse(&text).ok()?;
-        // The decimal may lie outside by less than a float.
         Some((text, decimal)).filter(|(_, decimal)| decimal.to_interval().is_subset_of(bounds))
     }
 }
@@ -83,23 +84,58 @@ pub fn run(arguments: &Simulate) -> Outcome {
     }
     let model = Model::from_file(&arguments.model)?;
     let mut draws = arguments.random.then(|| Draws::new(arguments.seed));
-    let params = params(&model, &arguments.params, draws.as_mut())?;
-    let start = start(&model, &arguments.start, draws.as_mut())?;
-    let changes = changes(&model, &arguments.change)?;
-    outside_the_prior(&model, &params, &changes);
-    let mut profile = Profile::open(&arguments.times, &model)?;
+    let given = Given {
+        params: params(&model, &arguments.params, draws.as_mut())?,
+        start: start(&model, &arguments.start, draws.as_mut())?,
+        changes: changes(&model, &arguments.change)?,
+        disturbances: disturbances(&model, &arguments.disturbance, arguments.random)?,
+        draws,
+    };
+    outside_the_prior(&model, &given.params, &given.changes);
     let interrupt = Interrupt::listen();
+    // Records made by boxes alone stay what they are. Where boxes grow too wide, forms are asked, too.
+    let with = |keeps: bool| {
+        let simulation = Simulation::new(&model, &given.params, &given.start, arguments.steps);
+        write(
+            arguments,
+            &model,
+            &given,
+            (simulation.keeping(keeps), &interrupt),
+        )
+    };
+    match with(false) {
+        Err(problems) if problems.0.iter().any(|problem| problem.code == "E0609") => with(true),
+        done => done,
+    }
+}
+
+/// What is simulated.
+struct Given {
+    params: Vec<Interval>,
+    start: Vec<Interval>,
+    changes: Vec<Change>,
+    disturbances: Vec<Held>,
+    draws: Option<Draws>,
+}
+
+/// Writes the record, and the folder of the trajectory.
+fn write(
+    arguments: &Simulate,
+    model: &Model,
+    given: &Given,
+    (mut simulation, interrupt): (Simulation, &Interrupt),
+) -> Outcome {
+    let mut draws = given.draws.clone();
+    let mut profile = Profile::open(&arguments.times, model)?;
     let mut file = create(&arguments.output)?;
-    let disturbances = disturbances(&model, &arguments.disturbance, arguments.random)?;
     let mut trajectory = match &arguments.trajectory {
-        Some(folder) => Some(Trajectory::create(folder, &model)?),
+        Some(folder) => Some(Trajectory::create(folder, model)?),
         None => None,
     };
-    let mut simulation = Simulation::new(&model, &params, &start, arguments.steps);
     let mut noise = Noise::new(arguments.seed, arguments.decimals);
-    let mut open = changes.into_iter().peekable();
+    let mut open = given.changes.iter().peekable();
     let bar = progress::of_parts(progress::PARTS, "simulated", false);
-    let mut text = header(arguments, &model, draws.as_ref());
+    let mut text = header(arguments, model, draws.as_ref());
     let mut samples = 0;
     while let Some(stretch) = profile.next()? {
         if interrupt.is_asked() {
@@ -118,15 +154,20 @@ pub fn run(arguments: &Simulate) -> Outcome {
                 *value = draws.point(input.error.enclose(*value));
             }
         }
-        inputs.extend(disturbances.iter().map(|known| match (known, &mut draws) {
-            (Held::Free(bounds), Some(draws)) => draws.point(*bounds),
-            (Held::Free(x) | Held::At(x), _) => *x,
-        }));
+        inputs.extend(
+            given
+                .disturbances
+                .iter()
+                .map(|known| match (known, &mut draws) {
+                    (Held::Free(bounds), Some(draws)) => draws.point(*bounds),
+                    (Held::Free(x) | Held::At(x), _) => *x,
+                }),
+        );
         while let Some(change) = open.next_if(|change| change.time <= time) {
             simulation.change(change.param, change.value.to_interval());
         }
         let now = Now {
-            model: &model,
+            model,
             simulation: &simulation,
             inputs: &inputs,
         };
