@@ -257,14 +257,21 @@ impl Shown {
     ///
     /// *Errors*: `E0612`.
     pub fn refuse(&self) -> Result<(), Diagnostic> {
-        let wanted = |format: &Format| *format != Format::None;
-        if self.figures.contains(&Format::None) && self.figures.iter().any(wanted) {
-            let message = "`--figures` asks for no figures and for figures";
-            return Err(Diagnostic::new("E0612", message)
-                .help("write `--figures none`, or the formats alone, as in `--figures svg,png`"));
-        }
-        Ok(())
+        refuse_formats(&self.figures)
     }
+}
+
+/// Refuses figures and no figures.
+///
+/// *Errors*: `E0612`.
+pub fn refuse_formats(formats: &[Format]) -> Result<(), Diagnostic> {
+    let wanted = |format: &Format| *format != Format::None;
+    if formats.contains(&Format::None) && formats.iter().any(wanted) {
+        let message = "`--figures` asks for no figures and for figures";
+        return Err(Diagnostic::new("E0612", message)
+            .help("write `--figures none`, or the formats alone, as in `--figures svg,png`"));
+    }
+    Ok(())
 }
 
 /// Decimal places that a float can hold of a number of about 1.
@@ -315,7 +322,7 @@ pub struct Simulate {
     /// Folder for the trajectory itself: states, outputs and modes over time, and figures of them
     #[arg(long, value_name = "DIR")]
     pub trajectory: Option<PathBuf>,
-    /// Formats of the figures
+    /// Formats of the figures in that folder
     #[arg(
         long,
         value_enum,

@@ -1,6 +1,6 @@
 //! `veribound simulate`: a record whose errors are proved to stay inside their bounds.
 
-use super::arguments::{MOST_DECIMALS, Simulate};
+use super::arguments::{MOST_DECIMALS, Simulate, refuse_formats};
 use super::ending::Ending;
 use super::flags::{Assignment, ErrorFlag};
 use super::interrupt::Interrupt;
@@ -75,6 +75,7 @@ struct Change {
 
 /// Simulates, and gives the record its name when all of it is proved.
 pub fn run(arguments: &Simulate) -> Outcome {
+    refuse_formats(&arguments.figures)?;
     let mut files = vec![("the model file", arguments.model.as_path())];
     let profile = arguments.times.input.as_deref();
     files.extend(profile.map(|path| ("the profile", path)));

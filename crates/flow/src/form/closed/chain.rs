@@ -78,14 +78,17 @@ impl Chain {
         let sizes = Sizes::of(&slopes);
         let mut halvings = 0;
         let mut unit = length;
-        while !(sizes.norm * unit <= SHORT) {
+        if !sizes.norm.is_finite() {
+            return None;
+        }
+        while sizes.norm * unit > SHORT {
             halvings += 1;
             unit *= 0.5;
             if halvings > MOST {
                 return None;
             }
         }
-        if !(unit > 1e-200) {
+        if unit <= 1e-200 {
             return None;
         }
         let steep = slopes.hull();
