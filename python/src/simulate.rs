@@ -8,7 +8,7 @@ use crate::words;
 use pyo3::prelude::*;
 use veribound::program::arguments::{Command, Simulate};
 use veribound::program::progress::PARTS;
-use veribound::program::simulate::Prepared;
+use veribound::program::simulate::{Prepared, asks_for_forms};
 use veribound_data::TableSource;
 use veribound_model::Model;
 use veribound_model::diagnostic::Diagnostics;
@@ -62,12 +62,8 @@ fn work(
     inputs: Option<TableSource>,
     watch: &Watch,
 ) -> Result<(String, Vec<String>, bool), Diagnostics> {
-    let mut prepared = Prepared::new(arguments, model, inputs)?;
+    let prepared = Prepared::new(arguments, model, inputs)?;
     let mut text = String::new();
-    let mut take = |line: &str| {
-        text.push_str(line);
-        Ok(())
-    };
     let go_on = |part| {
         watch.tell(Standing {
             done: part,
@@ -76,6 +72,18 @@ fn work(
         });
         watch.goes_on()
     };
-    let samples = prepared.carry_out(arguments, &mut take, &go_on)?;
+    let mut attempt = |with_forms: bool| {
+        text.clear();
+        let mut take = |line: &str| {
+            text.push_str(line);
+            Ok(())
+        };
+        let each = &mut |_: &_, _: &_, _: &[_]| Ok(());
+        prepared.carry_out(arguments, with_forms, (&mut take, each), &go_on)
+    };
+    let samples = match attempt(false) {
+        Err(problems) if asks_for_forms(&problems) => attempt(true)?,
+        done => done?,
+    };
     Ok((text, prepared.notes, samples.is_some()))
 }

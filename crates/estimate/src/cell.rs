@@ -1,5 +1,6 @@
 //! One box of the observer's list.
 
+use crate::engine::Kept;
 use crate::history::Memory;
 use veribound_flow::ModeSet;
 use veribound_interval::Interval;
@@ -35,6 +36,8 @@ pub struct Cell {
     pub(crate) modes_during: ModeSet,
     /// Where its trajectories come from, per pair of states and window.
     pub(crate) memories: Vec<Memory>,
+    /// How its trajectories depend on where they come from, where an engine keeps that.
+    pub(crate) kept: Kept,
 }
 
 impl Cell {
@@ -45,6 +48,7 @@ impl Cell {
             modes: ModeSet::EMPTY,
             modes_during: ModeSet::EMPTY,
             memories: Vec::new(),
+            kept: Kept::default(),
         }
     }
 
@@ -54,11 +58,14 @@ impl Cell {
         self.modes = other.modes;
         self.modes_during = other.modes_during;
         self.memories.clone_from(&other.memories);
+        self.kept.clone_from(&other.kept);
     }
 
     /// Takes over the past of a box that lies inside this one, so that `other` can be dropped.
     pub(crate) fn absorb(&mut self, other: &Cell) {
         self.modes_during = self.modes_during.union(other.modes_during);
+        // Trajectories of the other box need not be in it.
+        self.kept = Kept::default();
         for (memory, more) in self.memories.iter_mut().zip(&other.memories) {
             *memory = memory.hull(*more);
         }

@@ -2,6 +2,7 @@
 
 mod batch;
 mod cell;
+mod engine;
 mod history;
 pub mod identify;
 mod measure;

@@ -7,6 +7,7 @@
 
 use crate::batch::Batches;
 use crate::cell::{Cell, cut, insert, remove_contained};
+use crate::engine::{Follower, Kept};
 use crate::history::Windows;
 use crate::measure::Measurements;
 use crate::merge::merge;
@@ -67,6 +68,7 @@ pub struct Observer {
     options: ObserverOptions,
     system: System,
     workspace: Workspace,
+    follower: Option<Follower>,
     splitter: Splitter,
     measurements: Measurements,
     windows: Windows,
@@ -147,6 +149,7 @@ impl Observer {
             .collect();
         Observer {
             workspace: Workspace::new(&system, options.step),
+            follower: Follower::new(model, options.engine),
             splitter: Splitter::new(model),
             measurements: Measurements::new(model, layout),
             windows: Windows::new(&system, &options.windows),
@@ -401,6 +404,17 @@ impl Observer {
             }
         }
         self.batches = batches;
+        if let Some(follower) = &self.follower {
+            for (position, (cell, moved)) in cells.iter().zip(moved.iter_mut()).enumerate() {
+                if failed.iter().all(|(failed, _)| *failed != position) {
+                    follower.advance(cell, moved, (inputs, dt));
+                }
+            }
+            // What stands behind them are solutions that jumped at other times.
+            for other in moved.iter_mut().skip(cells.len()) {
+                other.kept = Kept::default();
+            }
+        }
         failed.sort_by_key(|(position, _)| *position);
         failed
     }
@@ -498,6 +512,22 @@ impl Observer {
             }
         }
         self.batches = batches;
+        if let Some(follower) = &self.follower {
+            for (cell, impossible) in cells.iter_mut().zip(&mut impossible) {
+                if *impossible {
+                    continue;
+                }
+                if let Err(found) = follower.measure(cell, sample) {
+                    *impossible = true;
+                    if nearest
+                        .as_ref()
+                        .is_none_or(|known| found.is_nearer_than(known))
+                    {
+                        nearest = Some(found);
+                    }
+                }
+            }
+        }
         let kept = cells.into_iter().zip(impossible).filter(|(_, gone)| !gone);
         self.cells = kept.map(|(cell, _)| cell).collect();
         match nearest {
@@ -519,6 +549,12 @@ impl Observer {
             return vec![false; self.prior.len() - states];
         }
         let resets = self.signals.resets(&sample.time);
+        if resets.iter().any(|reset| *reset) {
+            // Parameters of the past say nothing of these.
+            for cell in &mut self.cells {
+                cell.kept = Kept::default();
+            }
+        }
         for (param, _) in resets.iter().enumerate().filter(|(_, reset)| **reset) {
             if self.crowded() {
                 self.label(&sample.inputs);
@@ -581,6 +617,7 @@ impl Observer {
             for end in jumps.ends {
                 let mut other = cell.clone();
                 other.z[..states].copy_from_slice(&end);
+                other.kept = Kept::default();
                 self.windows.forget(&mut other, &jumps.jumped);
                 added.push(other);
             }

@@ -1,6 +1,7 @@
 //! Settings of the observer.
 
 use veribound_flow::StepOptions;
+use veribound_flow::engine::Engine;
 
 /// How the parameter to split is chosen where no guard is ambiguous (talk, step 2). The slide
 /// compares the terms of a velocity, `[α][x2]` and `[β]([u] - [T])`; its relation is not legible,
@@ -60,6 +61,9 @@ pub struct ObserverOptions {
     pub merge_across_modes: bool,
     /// Settings of the integration step.
     pub step: StepOptions,
+    /// What moves boxes besides their own step: forms, by closed forms or not, keep from sample to sample how they
+    /// depend on parameters; comparison bounds are asked for every sample. [`Engine::Auto`] leaves it at boxes.
+    pub engine: Engine,
 }
 
 impl Default for ObserverOptions {
@@ -75,6 +79,7 @@ impl Default for ObserverOptions {
             windows: vec![4, 16, 64],
             merge_across_modes: false,
             step: StepOptions::default(),
+            engine: Engine::Auto,
         }
     }
 }

@@ -14,6 +14,7 @@ mod common;
 use common::{RigText, Rng, rig_step};
 use veribound_estimate::{Observer, ObserverOptions, ParameterRule, Verdict};
 use veribound_flow::StepOptions;
+use veribound_flow::engine::Engine;
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{Model, Sample};
 
@@ -275,6 +276,7 @@ fn random_options(rng: &mut Rng) -> ObserverOptions {
             order: 1 + rng.below(6),
             ..StepOptions::default()
         },
+        ..ObserverOptions::default()
     }
 }
 
@@ -380,6 +382,67 @@ fn rigs() -> u64 {
 
 fn seed() -> u64 {
     std::env::var("ATTACK_SEED").map_or(1, |n| n.parse().unwrap())
+}
+
+/// Boxes that an engine moves besides keep the truth in all four experiments.
+#[test]
+fn engines_besides_boxes() {
+    let engines = [Engine::Forms, Engine::Closed, Engine::Comparison];
+    let experiments = [
+        Experiment::Plain,
+        Experiment::Reset,
+        Experiment::SecondPass,
+        Experiment::TorqueError,
+    ];
+    for (number, engine) in engines.into_iter().enumerate() {
+        for (of, experiment) in experiments.into_iter().enumerate() {
+            for rig in 0..rigs().div_ceil(125) {
+                let mut rng = Rng(seed() * 77_777 + 100 * rig + 10 * number as u64 + of as u64);
+                let case = case(&mut rng, experiment);
+                let options = ObserverOptions {
+                    boxes: 1 + rng.below(3),
+                    bisections: rng.below(4),
+                    engine,
+                    ..random_options(&mut rng)
+                };
+                let noise = rng.below(7);
+                let story = format!("{experiment:?} rig {rig} noise {noise} {options:?}");
+                let mut observer = Observer::new(&case.model, options);
+                observe(&mut observer, &case, noise, &mut rng, &story);
+            }
+        }
+    }
+}
+
+/// What forms keep from sample to sample narrows parameters more than boxes can, as many as there are.
+#[test]
+fn dependence_narrows_parameters() {
+    let mut rng = Rng(5);
+    let mut ratios = Vec::new();
+    for _ in 0..6 {
+        let case = case(&mut rng, Experiment::Plain);
+        let width = |engine: Engine| {
+            let options = ObserverOptions {
+                boxes: 6,
+                bisections: 3,
+                engine,
+                ..ObserverOptions::default()
+            };
+            let mut observer = Observer::new(&case.model, options);
+            observe(&mut observer, &case, 0, &mut Rng(9), "dependence");
+            let widths = (2..5).map(|i| {
+                let of = |acc: Interval, cell: &veribound_estimate::Cell| acc.hull(cell.z[i]);
+                let known = observer.cells().iter().fold(Interval::EMPTY, of).width();
+                let prior = case.model.params[i - 2].bounds.width();
+                if prior > 0.0 { known / prior } else { 1.0 }
+            });
+            widths.product::<f64>()
+        };
+        ratios.push(width(Engine::Forms) / width(Engine::Boxes));
+    }
+    println!("{ratios:?}");
+    let mean = ratios.iter().map(|x| x.ln()).sum::<f64>() / ratios.len() as f64;
+    assert!(mean.exp() < 0.9, "{ratios:?}");
 }
 
 #[test]

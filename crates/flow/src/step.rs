@@ -239,7 +239,7 @@ impl System {
     }
 
     /// As [`System::step`], with the boxes at the end apart where some solutions jumped and others did
-    /// not.
+    /// not, and what is proved besides.
     pub fn step_apart(
         &self,
         states: &[Interval],
@@ -247,9 +247,9 @@ impl System {
         inputs: &[Interval],
         dt: Interval,
         workspace: &mut Workspace,
-    ) -> Result<Vec<Vec<Interval>>, StepFailure> {
+    ) -> Result<(Vec<Vec<Interval>>, StepReport), StepFailure> {
         let (report, ends) = self.step_one(states, params, inputs, dt, workspace);
-        report.map(|_| ends)
+        report.map(|report| (ends, report))
     }
 
     fn step_one(

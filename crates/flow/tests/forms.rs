@@ -31,6 +31,7 @@ fn random_options(rng: &mut Rng) -> FormOptions {
         degree: rng.pick(&[None, Some(1), Some(2), Some(3)]),
         share: rng.pick(&[1e-7, 1e-3]),
         steepest: rng.pick(&[0.3, 0.7, 2.0]),
+        closed: rng.clone().chance(0.5),
         ..FormOptions::default()
     }
 }

@@ -40,7 +40,7 @@ impl Follower {
         for states in &self.boxes {
             let w = &mut self.workspace;
             let dt = Interval::point(h);
-            let Ok(ends) = self.system.step_apart(states, &self.params, inputs, dt, w) else {
+            let Ok((ends, _)) = self.system.step_apart(states, &self.params, inputs, dt, w) else {
                 return false;
             };
             next.extend(ends);

@@ -56,7 +56,10 @@ impl Follower {
         for states in &self.boxes {
             let (system, w) = (&self.system, &mut self.workspace);
             let ends = system.step_apart(states, params, inputs, Interval::point(h), w);
-            next.extend(ends.unwrap_or_else(|failure| panic!("{failure:?} from {states:?}")));
+            next.extend(
+                ends.unwrap_or_else(|failure| panic!("{failure:?} from {states:?}"))
+                    .0,
+            );
             let own = w.tube().to_vec();
             tube = Some(match tube {
                 None => own,

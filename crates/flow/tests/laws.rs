@@ -118,17 +118,24 @@ fn options_never_contradict_each_other() {
     let mut all = smooth(&mut rng);
     all.extend(models::ALL.iter().map(|target| switching(&mut rng, target)));
     for sets in &all {
-        let results: Vec<Enclosure> = [(1, None, 1), (2, None, 1), (2, Some(6), 1), (2, None, 2)]
-            .into_iter()
-            .map(|(degree, order, parts)| {
-                let options = FormOptions {
-                    degree: Some(degree),
-                    order,
-                    ..FormOptions::default()
-                };
-                sets.enclose(options, Effort { parts, ..ONE })
-            })
-            .collect();
+        let results: Vec<Enclosure> = [
+            (1, None, 1, false),
+            (2, None, 1, false),
+            (2, Some(6), 1, false),
+            (2, None, 2, false),
+            (2, None, 1, true),
+        ]
+        .into_iter()
+        .map(|(degree, order, parts, closed)| {
+            let options = FormOptions {
+                degree: Some(degree),
+                order,
+                closed,
+                ..FormOptions::default()
+            };
+            sets.enclose(options, Effort { parts, ..ONE })
+        })
+        .collect();
         for one in &results {
             for other in &results {
                 let pairs = one.ends.iter().zip(&other.ends);

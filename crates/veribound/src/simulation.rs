@@ -1,7 +1,8 @@
 //! Proved simulation of one solution: start state and parameters are points.
 
 use std::fmt;
-use veribound_flow::{StepFailure, StepOptions, System, Workspace};
+use veribound_flow::form::{Flow, Form, FormOptions};
+use veribound_flow::{ModeSet, StepFailure, StepOptions, Workspace};
 use veribound_interval::Interval;
 use veribound_model::Model;
 
@@ -27,7 +28,7 @@ use veribound_model::Model;
 /// # Ok::<(), veribound::Diagnostics>(())
 /// ```
 pub struct Simulation {
-    system: System,
+    flow: Flow,
     workspace: Workspace,
     steps: usize,
     params: Vec<Interval>,
@@ -36,7 +37,16 @@ pub struct Simulation {
     boxes: Vec<Vec<Interval>>,
     /// Their hull.
     states: Vec<Interval>,
+    /// Whether forms are asked.
+    keeps: bool,
+    /// None where it has to begin anew.
+    form: Option<Form>,
+    tube: Vec<Interval>,
+    modes: ModeSet,
 }
+
+/// A form begins anew where it is so many times as wide as the boxes.
+const WORSE: f64 = 2.0;
 
 /// Order of the Taylor series: high, since the boxes are narrow and the steps are few.
 const ORDER: usize = 6;
@@ -78,7 +88,7 @@ impl Simulation {
     /// `params` and `start` have one interval per parameter and state of the model, as narrow as
     /// they are known.
     pub fn new(model: &Model, params: &[Interval], start: &[Interval], steps: usize) -> Simulation {
-        let system = System::new(model);
+        let flow = Flow::new(model);
         // Stretches are divided here: their length is not known in advance.
         let options = StepOptions {
             order: ORDER,
@@ -86,12 +96,16 @@ impl Simulation {
             ..StepOptions::default()
         };
         Simulation {
-            workspace: Workspace::new(&system, options),
+            workspace: Workspace::new(flow.system(), options),
             steps: steps.max(1),
             params: params.to_vec(),
             boxes: vec![start.to_vec()],
             states: start.to_vec(),
-            system,
+            keeps: false,
+            form: None,
+            tube: start.to_vec(),
+            modes: ModeSet::EMPTY,
+            flow,
         }
     }
 
@@ -100,6 +114,15 @@ impl Simulation {
         self.params = params.to_vec();
         self.boxes = vec![start.to_vec()];
         self.states = start.to_vec();
+        self.tube = start.to_vec();
+        self.form = None;
+    }
+
+    /// Keeps, from now on or no more, how states depend on each other: boxes, which forget it, grow with every turn of
+    /// an oscillation. The states are narrower, and take longer.
+    pub fn keeping(mut self, keeps: bool) -> Simulation {
+        self.keeps = keeps;
+        self
     }
 
     /// Makes so many internal steps for every stretch from now on.
@@ -112,6 +135,16 @@ impl Simulation {
         &self.states
     }
 
+    /// The states at all times of the last stretch.
+    pub fn tube(&self) -> &[Interval] {
+        &self.tube
+    }
+
+    /// The modes that may have acted during the last stretch.
+    pub fn modes(&self) -> ModeSet {
+        self.modes
+    }
+
     /// The parameters now.
     pub fn params(&self) -> &[Interval] {
         &self.params
@@ -121,6 +154,7 @@ impl Simulation {
     pub fn change(&mut self, param: usize, value: Interval) {
         if let Some(param) = self.params.get_mut(param) {
             *param = value;
+            self.form = None;
         }
     }
 
@@ -128,24 +162,82 @@ impl Simulation {
     ///
     /// *Errors*: [`Stopped`] when a step cannot be proved.
     pub fn advance(&mut self, inputs: &[Interval], dt: Interval) -> Result<(), Stopped> {
+        let form = self.formed(inputs, dt);
+        let hull = form.as_ref().map(Form::hull);
+        match (self.boxed(inputs, dt), &form, &hull) {
+            (Ok(boxes), Some(form), Some(hull)) => {
+                // Solutions lie in some box, and in the form.
+                cut(&mut self.tube, form.tube());
+                self.boxes = boxes;
+                for states in &mut self.boxes {
+                    cut(states, hull);
+                }
+            }
+            (Ok(boxes), ..) => self.boxes = boxes,
+            (Err(_), Some(form), Some(hull)) => {
+                self.tube = form.tube().to_vec();
+                self.boxes = vec![hull.clone()];
+                let all = 0..self.flow.system().mode_count();
+                all.for_each(|mode| self.modes.insert(mode));
+            }
+            (Err(stopped), ..) => return Err(stopped),
+        }
+        self.states = hull_of(&self.boxes);
+        let is_worse = |hull: &Vec<Interval>| {
+            let mut both = hull.iter().zip(&self.states);
+            both.any(|(own, x)| own.width() > WORSE * x.width())
+        };
+        self.form = form.filter(|_| !hull.as_ref().is_some_and(is_worse));
+        Ok(())
+    }
+
+    /// The form after `dt`, which boxes that jump one after the other have none of.
+    fn formed(&mut self, inputs: &[Interval], dt: Interval) -> Option<Form> {
+        let form = self.form.take();
+        if !self.keeps || self.boxes.len() > 1 {
+            return None;
+        }
+        let options = FormOptions::default();
+        let start = || self.flow.start(&self.states, &self.params, options);
+        let mut form = form.unwrap_or_else(start);
+        let moved = self.flow.advance(&mut form, inputs, dt);
+        moved.ok().map(|()| form)
+    }
+
+    /// The boxes after `dt`; the tube and the modes become those of the way there.
+    fn boxed(&mut self, inputs: &[Interval], dt: Interval) -> Result<Vec<Vec<Interval>>, Stopped> {
         let part = dt / Interval::point(self.steps as f64);
         let mut boxes = self.boxes.clone();
+        self.tube.clone_from(&self.states);
+        self.modes = ModeSet::EMPTY;
         for _ in 0..self.steps {
             let mut next: Vec<Vec<Interval>> = Vec::new();
             for states in &boxes {
-                let params = &self.params;
-                let ends =
-                    self.system
-                        .step_apart(states, params, inputs, part, &mut self.workspace);
-                next.extend(ends.map_err(Stopped)?);
+                let (params, system) = (&self.params, self.flow.system());
+                let ends = system.step_apart(states, params, inputs, part, &mut self.workspace);
+                let (ends, report) = ends.map_err(Stopped)?;
+                next.extend(ends);
+                self.modes = self.modes.union(report.modes_during);
+                for (tube, x) in self.tube.iter_mut().zip(self.workspace.tube()) {
+                    *tube = tube.hull(*x);
+                }
             }
             boxes = veribound_flow::reduced(next);
         }
-        self.boxes = boxes;
-        self.states = self.boxes.iter().skip(1).fold(
-            self.boxes.first().cloned().unwrap_or_default(),
-            |hull, states| hull.iter().zip(states).map(|(a, b)| a.hull(*b)).collect(),
-        );
-        Ok(())
+        Ok(boxes)
     }
+}
+
+/// Cuts intervals with others, unless that leaves nothing.
+fn cut(x: &mut [Interval], with: &[Interval]) {
+    for (x, y) in x.iter_mut().zip(with).filter(|(x, y)| x.intersects(**y)) {
+        *x = x.intersect(*y);
+    }
+}
+
+fn hull_of(boxes: &[Vec<Interval>]) -> Vec<Interval> {
+    let first = boxes.first().cloned().unwrap_or_default();
+    boxes.iter().skip(1).fold(first, |hull, states| {
+        hull.iter().zip(states).map(|(a, b)| a.hull(*b)).collect()
+    })
 }

@@ -249,6 +249,7 @@ fn engines_are_chosen_and_told() {
         ("comparison", "comparison (corners in x)"),
         ("forms", "forms"),
         ("boxes", "boxes"),
+        ("closed", "closed"),
     ] {
         let flags = format!("--until 0.5 --every 0.5 --engine {engine}");
         let said = enclose(&place, &model, &flags).ended(0).out;
@@ -260,6 +261,36 @@ fn engines_are_chosen_and_told() {
             "{lo} {hi}"
         );
     }
+}
+
+/// A stiff model with affine modes is held for long: one step in closed form, which `check` announces; a model that has
+/// none is told which state is in the way.
+#[test]
+fn closed_forms_are_chosen_and_refused() {
+    let place = Place::new();
+    let text = "format = 1\nstates = [\"x\", \"v\"]\ninit = { x = [0.9, 1.1], v = 0 }\nder.x = \"v\"\n\
+                der.v = \"-1000*x - 1000*v\"\noutputs.y = \"x +- 0.1\"\n";
+    let model = place.file("m.toml", text);
+    let told = place.run(&["check", &model]).ended(0).out;
+    assert!(
+        told.contains(
+            "in closed form, since modes are affine, where inputs are held for 0.0030 s or longer"
+        ),
+        "{told}"
+    );
+    let said = enclose(&place, &model, "--until 3 --every 1").ended(0).out;
+    assert!(said.contains("engine: closed"), "{said}");
+    let (lo, hi) = bounds(&place.read("out/tube.csv"), "x")[1];
+    // The slow root of s^2 + 1000 s + 1000 is -1.001002, the fast one takes its share at once.
+    assert!(lo > 0.331 && hi < 0.406, "{lo} {hi}");
+    let bent = text.replace("1000*v\"", "1000*v*v\"");
+    let model = place.file("bent.toml", &bent);
+    let said = enclose(&place, &model, "--until 1 --every 1 --engine closed")
+        .ended(3)
+        .err;
+    let wanted = "there is no closed form, since the rate of `v` is not affine in the states. Nothing is proved beyond \
+                  the start. Try `--engine auto`.";
+    assert!(said.contains(wanted), "{said}");
 }
 
 /// An engine that can prove nothing says so, with what is known at the start.

@@ -288,3 +288,147 @@ fn too_few_decimals_are_called_so() {
         ran.err
     );
 }
+
+/// `x'' = -x` with a disturbance, measured within 0.1.
+const OSCILLATOR: &str = "format = 1\nstates = [\"x\", \"v\"]\ninit = { x = [0.5, 1.5], v = 0 }\n\
+    disturbances = { w = [-0.1, 0.1] }\nparams.k = [0.5, 2]\n\
+    der.x = \"v\"\nder.v = \"-k*x + w\"\noutputs.y = \"x +- 0.1\"\n";
+
+#[test]
+fn what_is_not_given_is_drawn_and_told() {
+    let place = Place::new();
+    let model = place.file("m.toml", DECAY);
+    let run = |more: &[&str]| {
+        let fixed = [
+            "simulate", &model, "--until", "2", "--every", "0.1", "-o", "r.csv",
+        ];
+        let all: Vec<&str> = fixed.iter().chain(more).copied().collect();
+        place.run(&all).ended(0);
+        place.read("r.csv")
+    };
+    let drawn = run(&["--random", "--seed", "5"]);
+    let told = drawn.lines().nth(1).unwrap();
+    let value = told.strip_prefix("# drawn: k=").unwrap();
+    let number: f64 = value.parse().unwrap();
+    assert!((0.0..=3.0).contains(&number), "{told}");
+    assert!(
+        drawn.starts_with("# veribound simulate m.toml --until 2 --every 0.1 --random --seed 5")
+    );
+    // The same with what was told, but for what is said of it; another seed draws another.
+    let given = run(&["--params", &format!("k={value}"), "--seed", "5"]);
+    let rows = |text: &str, skip: usize| text.lines().skip(skip).collect::<Vec<_>>().join("\n");
+    assert_eq!(rows(&drawn, 2), rows(&given, 1));
+    assert_ne!(run(&["--random", "--seed", "6"]).lines().nth(1), Some(told));
+    // What is given is not drawn.
+    let both = run(&["--random", "--params", "k=1"]);
+    assert!(!both.contains("# drawn"), "{both}");
+}
+
+/// A record that is drawn agrees with the model it was drawn from: parameters, start, disturbances and errors.
+#[test]
+fn what_is_drawn_is_consistent() {
+    let place = Place::new();
+    let model = place.file("m.toml", OSCILLATOR);
+    for seed in ["1", "2", "3"] {
+        let flags = [
+            "simulate", &model, "--random", "--seed", seed, "--until", "8", "--every", "0.1", "-o",
+            "r.csv",
+        ];
+        place.run(&flags).ended(0);
+        let flags = ["observe", &model, "r.csv", "--figures", "none", "-o", "out"];
+        place.run(&flags).ended(0);
+    }
+}
+
+/// Boxes around a point grow with every turn; what keeps the turn does not.
+#[test]
+fn a_thousand_seconds_of_turns() {
+    let place = Place::new();
+    let model = place.file("m.toml", OSCILLATOR);
+    let flags = [
+        "simulate",
+        &model,
+        "--params",
+        "k=1",
+        "--start",
+        "x=1",
+        "--until",
+        "1000",
+        "--every",
+        "0.5",
+        "--error",
+        "0",
+        "--decimals",
+        "6",
+        "-o",
+        "r.csv",
+    ];
+    place.run(&flags).ended(0);
+    let record = place.read("r.csv");
+    for (t, y) in column(&record, 0).iter().zip(column(&record, 1)) {
+        assert!((y - t.cos()).abs() < 2e-6, "{t}: {y}");
+    }
+}
+
+#[test]
+fn the_trajectory_itself() {
+    let place = Place::new();
+    let model = place.file("m.toml", OSCILLATOR);
+    let flags = [
+        "simulate",
+        &model,
+        "--params",
+        "k=1",
+        "--start",
+        "x=1",
+        "--until",
+        "5",
+        "--every",
+        "0.25",
+        "-o",
+        "r.csv",
+        "--trajectory",
+        "way",
+        "--figures",
+        "svg",
+    ];
+    place.run(&flags).ended(0);
+    let files = place.files("way/fig");
+    assert_eq!(files, ["outputs.svg", "plane.svg", "states.svg"]);
+    let table = place.read("way/trajectory.csv");
+    let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    let at = |name: &str| names.iter().position(|known| *known == name).unwrap();
+    let rows: Vec<Vec<f64>> = table
+        .lines()
+        .skip(1)
+        .map(|row| {
+            row.split(',')
+                .map(|cell| cell.parse().unwrap_or(f64::NAN))
+                .collect()
+        })
+        .collect();
+    assert_eq!(rows.len(), 21);
+    let within = |row: &[f64], name: &str, value: f64| {
+        let (lo, hi) = (
+            row[at(&format!("{name}.lo"))],
+            row[at(&format!("{name}.hi"))],
+        );
+        assert!(
+            lo - 1e-9 <= value && value <= hi + 1e-9,
+            "{name} is {value} in [{lo}, {hi}]"
+        );
+        hi - lo
+    };
+    for (k, row) in rows.iter().enumerate() {
+        let t = 0.25 * k as f64;
+        assert!(within(row, "x", t.cos()) < 1e-9 && within(row, "v", -t.sin()) < 1e-9);
+        assert!(within(row, "y", t.cos()) < 1e-9);
+        // And at times between.
+        for share in [0.2, 0.5, 0.9] {
+            let before = (t - 0.25 * share).max(0.0);
+            assert!(within(row, "x.since", before.cos()) < 0.4);
+            within(row, "v.since", -before.sin());
+            within(row, "y.since", before.cos());
+        }
+    }
+}

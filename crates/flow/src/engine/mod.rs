@@ -2,8 +2,8 @@
 //!
 //! All prove the same claim, that of [`Enclosure`], so bounds of several of them may be cut with each other, and none
 //! can say what another one refutes. [`Engine::Auto`] takes comparison bounds alone where nothing uncertain is left
-//! out of the order, since these are exact hulls; else forms, cut with comparison bounds where these have corners and
-//! the forms keep too little. Corners that keep unknowns are forms themselves, and they are asked piece by piece, with one
+//! out of the order, since these are exact hulls; else forms, by closed forms where modes are affine and inputs are held for
+//! long, cut with comparison bounds where these have corners and the forms keep too little. Corners that keep unknowns are forms themselves, and they are asked piece by piece, with one
 //! order after the other: they are given up where they are foreseen or found to cost four times as much as the forms.
 
 mod boxes;
@@ -19,6 +19,10 @@ use veribound_model::Model;
 
 /// Comparison bounds that keep unknowns may cost so many times as much as forms.
 const WORTH: f64 = 4.0;
+
+/// Closed forms are taken where the longest stretch, times how fast states change each other, is at least this: then
+/// forms need several steps for it.
+pub const LONG: f64 = 3.0;
 
 /// A way to enclose all solutions.
 ///
@@ -39,15 +43,18 @@ pub enum Engine {
     Forms,
     /// Two corners of a monotone right-hand side.
     Comparison,
+    /// As forms, by the closed form of right-hand sides that are affine in the states.
+    Closed,
 }
 
 impl Engine {
     /// All engines.
-    pub const ALL: [Engine; 4] = [
+    pub const ALL: [Engine; 5] = [
         Engine::Auto,
         Engine::Boxes,
         Engine::Forms,
         Engine::Comparison,
+        Engine::Closed,
     ];
 
     /// Its name in commands and results.
@@ -57,6 +64,7 @@ impl Engine {
             Engine::Boxes => "boxes",
             Engine::Forms => "forms",
             Engine::Comparison => "comparison",
+            Engine::Closed => "closed",
         }
     }
 }
@@ -199,9 +207,13 @@ impl Engines {
                 Ok(compared) => Answer::compared(compared),
                 Err(disorders) => Answer {
                     disorders,
-                    ..Answer::of(self.not_ordered(task), Engine::Comparison)
+                    ..Answer::of(
+                        self.nothing(task, (Obstacle::NotMonotone, 0)),
+                        Engine::Comparison,
+                    )
                 },
             },
+            Engine::Closed => Answer::of(self.closed(task, go_on), Engine::Closed),
         }
     }
 
@@ -224,11 +236,23 @@ impl Engines {
             .enclose(&self.flow, set, task.stretches, settings, go_on)
     }
 
-    /// Nothing proved, since nothing is ordered.
-    fn not_ordered(&self, task: Task<'_>) -> Enclosure {
+    /// Forms that move by closed forms.
+    fn closed(&self, task: Task<'_>, go_on: &dyn Fn(Standing) -> bool) -> Enclosure {
+        if let Some(state) = self.flow.curved() {
+            return self.nothing(task, (Obstacle::NotAffine, state));
+        }
+        let options = FormOptions {
+            closed: true,
+            ..task.options
+        };
+        self.forms(Task { options, ..task }, go_on)
+    }
+
+    /// Nothing proved, for want of what the engine asks for.
+    fn nothing(&self, task: Task<'_>, (obstacle, state): (Obstacle, usize)) -> Enclosure {
         let stopped = Diverged {
-            obstacle: Obstacle::NotMonotone,
-            state: 0,
+            obstacle,
+            state,
             reached: Interval::ZERO,
         };
         let part = Part {
@@ -262,10 +286,15 @@ impl Engines {
             }
         }
         let spent = Cell::new(0.0);
-        let forms = self.forms(task, &|standing| {
+        let watched = |standing: Standing| {
             spent.set(spent.get() + standing.cost);
             go_on(standing)
-        });
+        };
+        let (engine, forms) = if self.is_long(task) {
+            (Engine::Closed, self.closed(task, &watched))
+        } else {
+            (Engine::Forms, self.forms(task, &watched))
+        };
         let left = |shares: &Vec<(_, f64)>| 1.0 - shares.iter().map(|share| share.1).sum::<f64>();
         let tight = forms.stopped.is_none()
             && forms
@@ -282,7 +311,7 @@ impl Engines {
                 compared = Some(self.compare(task, WORTH * spent.get(), go_on));
             }
         }
-        let mut answer = Answer::of(forms, Engine::Forms);
+        let mut answer = Answer::of(forms, engine);
         match compared {
             Some(Ok(compared)) if !compared.enclosure.ends.is_empty() => {
                 answer.enclosure = answer.enclosure.both(compared.enclosure);
@@ -294,6 +323,19 @@ impl Engines {
             _ => {}
         }
         answer
+    }
+
+    /// Whether there is a closed form, and a stretch that is long for forms.
+    fn is_long(&self, task: Task<'_>) -> bool {
+        let longest = task
+            .stretches
+            .iter()
+            .max_by(|a, b| a.dt.mid().total_cmp(&b.dt.mid()));
+        longest.is_some_and(|stretch| {
+            let quantities = [task.states, task.params, &stretch.inputs].concat();
+            let steepness = self.flow.steepness(&quantities);
+            steepness.is_some_and(|steepness| steepness * stretch.dt.mid() >= LONG)
+        })
     }
 
     /// The order at the start, and what has no place in it.

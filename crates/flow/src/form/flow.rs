@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::closed::{Linear, balanced, slopes_of};
 use super::journey::{Journey, Meeting};
 use super::piece::{Piece, Shape};
 use super::proved::Outputs;
@@ -46,6 +47,8 @@ pub struct BoxAfter {
 struct Store {
     graph: Graph,
     pieces: HashMap<Shape, Arc<Piece>>,
+    /// Of right-hand sides that are affine in the states.
+    linear: HashMap<Shape, Option<Arc<Linear>>>,
 }
 
 /// A stretch of time could not be proved. It says nothing about the existence of solutions.
@@ -89,6 +92,7 @@ impl Flow {
             store: Mutex::new(Store {
                 graph,
                 pieces: HashMap::new(),
+                linear: HashMap::new(),
             }),
         }
     }
@@ -188,7 +192,7 @@ impl Flow {
     }
 
     /// The model compiled for boxes.
-    pub(crate) fn system(&self) -> &System {
+    pub fn system(&self) -> &System {
         &self.system
     }
 
@@ -236,14 +240,8 @@ impl Flow {
 
     /// The code of a regime.
     pub(super) fn piece(&self, regime: &Regime) -> Arc<Piece> {
-        let surfaces = self.switching.surfaces.list.iter().zip(&regime.signs);
-        let held = surfaces.filter(|(_, signs)| **signs == Signs::ZERO);
-        let held = held.filter_map(|(surface, _)| surface.level);
-        let shape = Shape {
-            rates: regime.rates.clone(),
-            watched: regime.watches.iter().map(|watch| watch.expr).collect(),
-            held: held.map(|level| (level.state, level.expr)).collect(),
-        };
+        let watched = regime.watches.iter().map(|watch| watch.expr);
+        let shape = self.shape(regime, watched.collect());
         let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
         let store = &mut *store;
         if let Some(piece) = store.pieces.get(&shape) {
@@ -252,6 +250,72 @@ impl Flow {
         let piece = Arc::new(Piece::compile(&mut store.graph, self.layout, &shape));
         store.pieces.insert(shape, Arc::clone(&piece));
         piece
+    }
+
+    /// A regime as affine function of the states; `None` if it is not.
+    pub(super) fn linear(&self, regime: &Regime) -> Option<Arc<Linear>> {
+        let shape = self.shape(regime, Vec::new());
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let store = &mut *store;
+        if let Some(known) = store.linear.get(&shape) {
+            return known.clone();
+        }
+        let linear = Linear::compile(&mut store.graph, self.layout, &shape).map(Arc::new);
+        store.linear.insert(shape, linear.clone());
+        linear
+    }
+
+    fn shape(&self, regime: &Regime, watched: Vec<ExprId>) -> Shape {
+        let surfaces = self.switching.surfaces.list.iter().zip(&regime.signs);
+        let held = surfaces.filter(|(_, signs)| **signs == Signs::ZERO);
+        let held = held.filter_map(|(surface, _)| surface.level);
+        Shape {
+            rates: regime.rates.clone(),
+            watched,
+            held: held.map(|level| (level.state, level.expr)).collect(),
+        }
+    }
+
+    /// A state whose rate is not affine in the states, in some mode and on some side of its kinks; `None` where all
+    /// are.
+    pub fn curved(&self) -> Option<usize> {
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let graph = &mut store.graph;
+        let mut rates = self.switching.rates.iter().flatten();
+        let curved = rates.find(|(_, rate)| {
+            [true, false].into_iter().any(|side| {
+                let straight = graph.straightened(*rate, &mut |_, _| Some(side));
+                slopes_of(graph, straight).is_none()
+            })
+        });
+        curved.map(|(state, _)| *state)
+    }
+
+    /// About how fast states of an affine model change each other in the middle of a set, in its fastest modes:
+    /// the spectral radius of the absolute values of their slopes, per second. A hint.
+    ///
+    /// `None` where some rate is not affine in the states.
+    pub fn steepness(&self, quantities: &[Interval]) -> Option<f64> {
+        if self.curved().is_some() {
+            return None;
+        }
+        let (n, layout) = (self.layout.states, self.layout);
+        let value = |var: Var| {
+            let all = quantities.get(layout.index(var));
+            Interval::point(all.map_or(0.0, |x| x.mid()))
+        };
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let graph = &mut store.graph;
+        let mut slopes = vec![0.0_f64; n * n];
+        for (state, rate) in self.switching.rates.iter().flatten() {
+            let straight = graph.straightened(*rate, &mut |_, _| Some(true));
+            for (by, slope) in slopes_of(graph, straight)? {
+                let size = graph.eval_interval(slope, &value).mag();
+                let entry = &mut slopes[state * n + by];
+                *entry = entry.max(size);
+            }
+        }
+        Some(balanced(n, &slopes).1)
     }
 
     /// The inputs that an expression depends on.

@@ -11,6 +11,7 @@
 
 use std::sync::Arc;
 
+use super::closed::Chains;
 use super::flow::{Diverged, Flow};
 use super::output::Strip;
 use super::piece::Piece;
@@ -44,6 +45,8 @@ pub(super) struct Acting {
     inputs: Vec<Vec<usize>>,
     /// Inputs that what is held depends on.
     held: Vec<usize>,
+    /// Whether the closed form may take it further in this stretch.
+    leaps: bool,
 }
 
 impl Acting {
@@ -56,6 +59,7 @@ impl Acting {
             held: held.flat_map(|(s, _)| s.inputs.iter().copied()).collect(),
             inputs: watches.map(|watch| flow.inputs_of(watch.expr)).collect(),
             scratch: Scratch::new(&piece, form),
+            leaps: form.options.closed,
             regime,
             piece,
         }
@@ -154,6 +158,8 @@ pub(super) struct Journey<'a> {
     pub(super) moment: f64,
     /// How much each unknown decides when surfaces are met that could not be crossed.
     pub(super) torn: Vec<f64>,
+    /// Closed forms that were met.
+    pub(super) chains: Chains,
     begin: Interval,
     before: Vec<Interval>,
 }
@@ -164,6 +170,7 @@ impl<'a> Journey<'a> {
             begin: form.elapsed,
             before: form.quick_hull(),
             torn: vec![0.0; form.unknowns.len()],
+            chains: Chains::default(),
             flow,
             stretches,
             form,
@@ -222,6 +229,9 @@ impl<'a> Journey<'a> {
         self.begin = self.form.elapsed;
         self.form.tube = self.form.quick_hull();
         self.before.clone_from(&self.form.tube);
+        if let Some(acting) = &mut self.acting {
+            acting.leaps = self.form.options.closed;
+        }
     }
 
     /// Goes through all stretches; on failure the form stands somewhere on the way.
@@ -379,6 +389,15 @@ impl<'a> Journey<'a> {
 
     /// A step of the regime, as far as it is certain.
     fn smooth(&mut self, mut acting: Acting) -> Result<(), Obstacle> {
+        if acting.leaps {
+            let leap = self.leap(&acting)?;
+            acting.leaps = leap.unwrap_or(false);
+            if leap.is_some() {
+                self.form.signs.clone_from(&acting.regime.signs);
+                self.acting = Some(acting);
+                return Ok(());
+            }
+        }
         let inputs = self.inputs();
         let prepared = match acting.prepare(&self.form, inputs, self.left, self.shortest()) {
             Ok(prepared) => prepared,
@@ -494,14 +513,23 @@ impl<'a> Journey<'a> {
         end: &End,
         moved: Interval,
     ) -> Result<(), Obstacle> {
-        let mut arrival = acting
-            .piece
-            .arrival(&self.form, &acting.scratch, prepared, end)?;
+        let piece = &acting.piece;
+        let arrival = piece.arrival(&self.form, &acting.scratch, prepared, end)?;
+        let outputs = self.outputs_on(&arrival.during, self.inputs());
+        self.proved.pass(&outputs, acting.regime.modes);
+        self.land(acting, arrival, moved)
+    }
+
+    /// Puts the form to where it arrives after `moved`, once tube and outputs on the way are known.
+    pub(super) fn land(
+        &mut self,
+        acting: &Acting,
+        mut arrival: Arrival,
+        moved: Interval,
+    ) -> Result<(), Obstacle> {
         for (tube, during) in self.form.tube.iter_mut().zip(&arrival.during) {
             *tube = tube.hull(*during);
         }
-        let outputs = self.outputs_on(&arrival.during, self.inputs());
-        self.proved.pass(&outputs, acting.regime.modes);
         self.proved.steps += 1;
         self.hold(&acting.regime, &mut arrival);
         arrival.land(&mut self.form);

@@ -52,12 +52,16 @@
 //! through a jump of the state. So states stay functions of the unknowns. Where a crossing cannot be proved, because some
 //! solutions graze or stay behind, boxes go on for a moment (`mixed.rs`).
 //!
+//! Where a regime is affine in the states its solution has a closed form: one step of any length instead of many
+//! (`closed/`, [`FormOptions::closed`]).
+//!
 //! Sources: Taylor models, Makino and Berz 1996; Lohner's frames, Lohner 1988; the comparison of defects is
 //! Müller's theorem for linear systems. Bounding the defect of a point polynomial instead of enclosing
 //! every Taylor coefficient is own.
 
 mod absorb;
 mod ahead;
+mod closed;
 mod code;
 mod compare;
 mod compose;

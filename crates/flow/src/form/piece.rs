@@ -31,6 +31,18 @@ pub(super) struct Shape {
     pub(super) held: Vec<(usize, ExprId)>,
 }
 
+impl Shape {
+    /// Expressions with the numbers of the states that are held.
+    pub(super) fn held_in(&self, graph: &mut Graph, list: &[ExprId]) -> Vec<ExprId> {
+        let held = |var: Var| {
+            let own = self.held.iter().find(|held| var == Var::State(held.0));
+            own.map(|held| held.1)
+        };
+        let list = list.iter();
+        list.map(|e| graph.substitute(*e, &held)).collect()
+    }
+}
+
 /// Registers of a watched expression.
 #[derive(Debug, Clone)]
 pub(super) struct Probe {
@@ -47,15 +59,8 @@ impl Piece {
     /// States that are held at a number are this number: a form may stand for others, too, but no solution has them.
     /// So what such states alone move does not move, as most of a chain of masses at rest.
     pub(super) fn compile(graph: &mut Graph, layout: Layout, regime: &Shape) -> Piece {
-        let held = |var: Var| {
-            let own = regime.held.iter().find(|held| var == Var::State(held.0));
-            own.map(|held| held.1)
-        };
-        let mut insert = |list: &[ExprId]| -> Vec<ExprId> {
-            let list = list.iter();
-            list.map(|e| graph.substitute(*e, &held)).collect()
-        };
-        let (rates, watched) = (&insert(&regime.rates), &insert(&regime.watched));
+        let rates = &regime.held_in(graph, &regime.rates);
+        let watched = &regime.held_in(graph, &regime.watched);
         let mut entries: Vec<(usize, usize, ExprId)> = Vec::new();
         for (i, rate) in rates.iter().enumerate() {
             entries.extend(gradient(graph, *rate).into_iter().map(|(l, e)| (i, l, e)));

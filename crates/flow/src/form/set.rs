@@ -31,6 +31,8 @@ pub struct FormOptions {
     pub absorb: f64,
     /// Longest step, times the norm of `∂f/∂x`.
     pub steepest: f64,
+    /// Right-hand sides that are affine in the states move forms by their closed form.
+    pub closed: bool,
 }
 
 impl Default for FormOptions {
@@ -43,6 +45,7 @@ impl Default for FormOptions {
             tolerance: 1e-17,
             share: 1e-7,
             steepest: 0.7,
+            closed: false,
         }
     }
 }
@@ -87,7 +90,7 @@ impl Range {
 }
 
 /// A parameter as polynomial in the unknowns, and how far it can be from that.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct ParamForm {
     pub(super) polynomial: Vec<f64>,
     pub(super) radius: f64,

@@ -42,6 +42,8 @@ pub enum Obstacle {
     Interrupted,
     /// Comparison bounds end: the right-hand side is not proved to be monotone.
     NotMonotone,
+    /// There is no closed form: the rate of the state is not affine in the states.
+    NotAffine,
     /// Comparison bounds end: they would take many times the work of forms.
     Costly,
 }

@@ -34,6 +34,7 @@ pub fn options(rng: &mut Rng) -> FormOptions {
     FormOptions {
         degree,
         order: rng.pick(&[None, None, Some(6), Some(15)]),
+        closed: rng.clone().chance(0.5),
         ..FormOptions::default()
     }
 }

@@ -283,6 +283,10 @@ pub struct Method {
     #[arg(long, value_name = "SECONDS", default_value_t = ObserverOptions::default().step.longest,
           value_parser = positive)]
     pub longest_step: f64,
+    /// What moves boxes besides their own step: forms and closed keep from sample to sample how they depend on parameters,
+    /// which narrows more with few boxes and takes many times as long; auto leaves it at boxes
+    #[arg(long, value_name = "NAME", default_value = "auto")]
+    pub engine: EngineName,
 }
 
 /// What the run shows.
@@ -357,14 +361,21 @@ impl Shown {
     ///
     /// *Errors*: `E0612`.
     pub fn refuse(&self) -> Result<(), Diagnostic> {
-        let wanted = |format: &Format| *format != Format::None;
-        if self.figures.contains(&Format::None) && self.figures.iter().any(wanted) {
-            let message = "`--figures` asks for no figures and for figures";
-            return Err(Diagnostic::new("E0612", message)
-                .help("write `--figures none`, or the formats alone, as in `--figures svg,png`"));
-        }
-        Ok(())
+        refuse_formats(&self.figures)
     }
+}
+
+/// Refuses figures and no figures.
+///
+/// *Errors*: `E0612`.
+pub fn refuse_formats(formats: &[Format]) -> Result<(), Diagnostic> {
+    let wanted = |format: &Format| *format != Format::None;
+    if formats.contains(&Format::None) && formats.iter().any(wanted) {
+        let message = "`--figures` asks for no figures and for figures";
+        return Err(Diagnostic::new("E0612", message)
+            .help("write `--figures none`, or the formats alone, as in `--figures svg,png`"));
+    }
+    Ok(())
 }
 
 /// Decimal places that a float can hold of a number of about 1.
@@ -395,7 +406,11 @@ pub struct Simulate {
     /// Value of a disturbance for the whole record; the middle of its bounds where none is given
     #[arg(long, value_name = "NAME=VALUE,...", value_delimiter = ',')]
     pub disturbance: Vec<Assignment>,
-    /// Chooses the errors
+    /// Draw what is not given from the model file: parameters and start values once, disturbances and errors of inputs
+    /// anew at every sample
+    #[arg(long)]
+    pub random: bool,
+    /// Chooses the errors, and what is drawn
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u64,
     /// Decimal places of the written outputs
@@ -411,6 +426,18 @@ pub struct Simulate {
     /// Print one JSON document
     #[arg(long)]
     pub json: bool,
+    /// Folder for the trajectory itself: states, outputs and modes over time, and figures of them
+    #[arg(long, value_name = "DIR")]
+    pub trajectory: Option<PathBuf>,
+    /// Formats of the figures in that folder
+    #[arg(
+        long,
+        value_enum,
+        value_delimiter = ',',
+        value_name = "FORMAT",
+        default_value = "svg,png"
+    )]
+    pub figures: Vec<Format>,
 }
 
 /// Flags of `veribound enclose`.
@@ -534,6 +561,7 @@ impl Method {
             },
             merge_across_modes: self.merge_across_modes,
             step: ObserverOptions::default().step,
+            engine: self.engine.into(),
         };
         options.step.order = self.order;
         options.step.halvings = self.halvings;
@@ -586,6 +614,8 @@ pub enum EngineName {
     Forms,
     /// Two corners of what is monotone
     Comparison,
+    /// As forms, in closed form where a mode is affine in the states
+    Closed,
 }
 
 impl From<EngineName> for Engine {
@@ -595,6 +625,7 @@ impl From<EngineName> for Engine {
             EngineName::Boxes => Engine::Boxes,
             EngineName::Forms => Engine::Forms,
             EngineName::Comparison => Engine::Comparison,
+            EngineName::Closed => Engine::Closed,
         }
     }
 }

@@ -1,16 +1,19 @@
 //! What the program says of engines.
 
 use veribound_flow::comparison::{Cause, Comparison, Disorder, Outlook};
-use veribound_flow::engine::Answer;
-use veribound_flow::form::Stretch;
+use veribound_flow::engine::{Answer, LONG};
+use veribound_flow::form::{Flow, Stretch};
 use veribound_interval::Interval;
 use veribound_model::{Model, Var};
 
-/// The order on the start box, with recorded inputs that may have any value and are uncertain where the model
-/// says so.
-pub fn outlook(model: &Model, comparison: &Comparison) -> Outlook {
-    let start: Vec<Interval> = model.states.iter().map(|state| state.init).collect();
-    let params: Vec<Interval> = model.params.iter().map(|param| param.bounds).collect();
+/// Start values, parameters, and inputs: recorded ones may have any value and are uncertain where the model says so.
+struct Start {
+    states: Vec<Interval>,
+    params: Vec<Interval>,
+    inputs: Vec<Interval>,
+}
+
+fn start(model: &Model) -> Start {
     let inputs = model.inputs.iter().map(|input| {
         let exact = input.error.absolute.is_zero() && input.error.relative.is_zero();
         match (input.within, exact) {
@@ -19,15 +22,36 @@ pub fn outlook(model: &Model, comparison: &Comparison) -> Outlook {
             (None, false) => input.domain.unwrap_or(Interval::ENTIRE),
         }
     });
-    let first = Stretch {
+    Start {
+        states: model.states.iter().map(|state| state.init).collect(),
+        params: model.params.iter().map(|param| param.bounds).collect(),
         inputs: inputs.collect(),
-        dt: Interval::ZERO,
-    };
-    comparison.outlook(&start, &params, &[first])
+    }
 }
 
 /// Which engine `enclose` will take, and why, in one line.
-pub fn plan(model: &Model, outlook: &Outlook) -> String {
+pub fn plan(model: &Model) -> String {
+    let Start {
+        states,
+        params,
+        inputs,
+    } = start(model);
+    let steepness = Flow::new(model).steepness(&[&states[..], &params, &inputs].concat());
+    let first = Stretch {
+        inputs,
+        dt: Interval::ZERO,
+    };
+    let outlook = Comparison::new(model).outlook(&states, &params, &[first]);
+    let closed = steepness.filter(|steepness| *steepness > 0.0);
+    let closed = closed.map_or(String::new(), |steepness| {
+        let longest = LONG / steepness;
+        let decimals = (1.0 - longest.log10().floor()).clamp(0.0, 20.0) as usize;
+        format!("; in closed form, since modes are affine, where inputs are held for {longest:.decimals$} s or longer")
+    });
+    format!("{}{closed}", by_order(model, &outlook))
+}
+
+fn by_order(model: &Model, outlook: &Outlook) -> String {
     let reason = outlook.disorders.first().map(|d| why(model, d));
     let names = |list: &[Var]| -> String {
         let quoted: Vec<String> = list.iter().map(|var| name(model, *var)).collect();

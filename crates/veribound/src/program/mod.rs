@@ -31,6 +31,7 @@ mod same_units;
 pub mod simulate;
 mod starter;
 pub mod table;
+mod trajectory;
 pub mod verdict;
 
 use arguments::{Arguments, Command};

@@ -205,6 +205,7 @@ fn options(arguments: &Observe, assumptions: &[String]) -> Table {
         Value::Boolean(method.merge_across_modes),
     );
     put("parameter_rule", named(method.parameter_rule));
+    put("engine", named(method.engine));
     put("figures", formats(&showing.output.figures));
     put("report", named(showing.output.report));
     put("parquet", Value::Boolean(showing.output.parquet));

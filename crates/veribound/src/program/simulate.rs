@@ -1,12 +1,13 @@
 //! `veribound simulate`: a record whose errors are proved to stay inside their bounds.
 
-use super::arguments::{MOST_DECIMALS, Simulate};
+use super::arguments::{MOST_DECIMALS, Simulate, refuse_formats};
 use super::ending::Ending;
 use super::flags::{Assignment, ErrorFlag};
 use super::interrupt::Interrupt;
 use super::message::{flag_problem, list, remark, say_json};
 use super::noise::{Noise, Written};
 use super::profile::{Profile, Stretch};
+use super::trajectory::Trajectory;
 use super::{Outcome, numbers, overwriting, progress};
 use crate::{Simulation, Stopped};
 use serde::Serialize;
@@ -30,6 +31,50 @@ struct Simulated {
     seed: u64,
 }
 
+/// Values that nobody gave.
+#[derive(Clone)]
+struct Draws {
+    noise: Noise,
+    /// What was drawn once, by name.
+    told: String,
+}
+
+impl Draws {
+    /// Other numbers than those of the errors, for the same seed.
+    fn new(seed: u64) -> Draws {
+        Draws {
+            noise: Noise::new(!seed, 0),
+            told: String::new(),
+        }
+    }
+
+    /// A number in these bounds, as the shortest decimal that says which float is meant.
+    fn point(&mut self, bounds: Interval) -> Interval {
+        self.decimal(bounds)
+            .map_or(bounds, |(_, decimal)| decimal.to_interval())
+    }
+
+    fn named(&mut self, name: &str, bounds: Interval) -> Interval {
+        let Some((text, decimal)) = self.decimal(bounds) else {
+            return bounds;
+        };
+        let _ = write!(self.told, " {name}={text}");
+        decimal.to_interval()
+    }
+
+    fn decimal(&mut self, bounds: Interval) -> Option<(String, Decimal)> {
+        if is_number(bounds) || !bounds.is_bounded() {
+            return None;
+        }
+        // Not at the ends, so that rounding to a decimal stays inside.
+        let share = 0.5 + 0.4999 * self.noise.share();
+        let x = bounds.lo() + share * (bounds.hi() - bounds.lo());
+        let text = format!("{}", x.clamp(bounds.lo(), bounds.hi()));
+        let decimal = Decimal::parse(&text).ok()?;
+        Some((text, decimal)).filter(|(_, decimal)| decimal.to_interval().is_subset_of(bounds))
+    }
+}
+
 /// A parameter that takes a new value.
 struct Change {
     time: Decimal,
@@ -39,32 +84,65 @@ struct Change {
 
 /// Simulates, and gives the record its name when all of it is proved.
 pub fn run(arguments: &Simulate) -> Outcome {
+    refuse_formats(&arguments.figures)?;
     let mut files = vec![("the model file", arguments.model.as_path())];
     let profile = arguments.times.input.as_deref();
     files.extend(profile.map(|path| ("the profile", path)));
     overwriting::refuse_record(&arguments.output, &files)?;
+    if let Some(folder) = &arguments.trajectory {
+        overwriting::refuse_results(folder, &files, &[])?;
+    }
     let model = Model::from_file(&arguments.model)?;
     let source = arguments.times.input.as_ref().map(TableSource::from);
-    let mut prepared = Prepared::new(arguments, &model, source)?;
+    let prepared = Prepared::new(arguments, &model, source)?;
     prepared.notes.iter().for_each(|note| remark(note));
     let interrupt = Interrupt::listen();
+    match write(arguments, &prepared, false, &interrupt) {
+        Err(problems) if asks_for_forms(&problems) => write(arguments, &prepared, true, &interrupt),
+        done => done,
+    }
+}
+
+/// Whether boxes grew too wide, and forms may do better. Records made by boxes alone stay what they are.
+pub fn asks_for_forms(problems: &Diagnostics) -> bool {
+    problems.0.iter().any(|problem| problem.code == "E0609")
+}
+
+/// Writes the record, and the folder of the trajectory.
+fn write(
+    arguments: &Simulate,
+    prepared: &Prepared<'_>,
+    with_forms: bool,
+    interrupt: &Interrupt,
+) -> Outcome {
     let mut file = create(&arguments.output)?;
+    let mut trajectory = match &arguments.trajectory {
+        Some(folder) => Some(Trajectory::create(folder, prepared.model)?),
+        None => None,
+    };
     let bar = progress::of_parts(progress::PARTS, "simulated", false);
     let mut take = |text: &str| {
         let written = file.write_all(text.as_bytes());
         written.map_err(|error| file.refuse(&error))
     };
+    let mut each = |time: &Decimal, simulation: &Simulation, inputs: &[Interval]| {
+        let trajectory = trajectory.as_mut();
+        trajectory.map_or(Ok(()), |list| list.push(time, simulation, inputs))
+    };
     let go_on = |part| {
         bar.set_position(part);
         !interrupt.is_asked()
     };
-    let samples = prepared.carry_out(arguments, &mut take, &go_on)?;
+    let samples = prepared.carry_out(arguments, with_forms, (&mut take, &mut each), &go_on);
     bar.finish_and_clear();
-    let Some(samples) = samples else {
+    let Some(samples) = samples? else {
         remark("interrupted: no record is written");
         return Ok(Ending::Interrupted);
     };
     file.finish()?.put_in_place()?;
+    if let Some(trajectory) = trajectory {
+        trajectory.finish(&arguments.figures)?;
+    }
     if arguments.json {
         say_json(&Simulated {
             record: arguments.output.display().to_string(),
@@ -85,12 +163,19 @@ pub struct Prepared<'m> {
     model: &'m Model,
     params: Vec<Interval>,
     start: Vec<Interval>,
-    disturbances: Vec<Interval>,
+    disturbances: Vec<Held>,
     changes: Vec<Change>,
-    profile: Profile,
+    draws: Option<Draws>,
+    inputs: Option<TableSource>,
     /// What the user should know: values outside of the prior.
     pub notes: Vec<String>,
 }
+
+/// Who is given the lines of a record.
+type Take<'a> = &'a mut dyn FnMut(&str) -> Result<(), Diagnostic>;
+
+/// Who is shown every sample: its time, where the simulation is, and the inputs from then on.
+type Each<'a> = &'a mut dyn FnMut(&Decimal, &Simulation, &[Interval]) -> Result<(), Diagnostic>;
 
 impl<'m> Prepared<'m> {
     /// Checks values and profile.
@@ -99,44 +184,62 @@ impl<'m> Prepared<'m> {
         model: &'m Model,
         inputs: Option<TableSource>,
     ) -> Result<Prepared<'m>, Diagnostics> {
-        let params = params(model, &arguments.params)?;
+        let mut draws = arguments.random.then(|| Draws::new(arguments.seed));
+        let params = params(model, &arguments.params, draws.as_mut())?;
+        let start = start(model, &arguments.start, draws.as_mut())?;
         let changes = changes(model, &arguments.change)?;
+        let disturbances = disturbances(model, &arguments.disturbance, arguments.random)?;
         Ok(Prepared {
-            start: start(model, &arguments.start)?,
-            disturbances: disturbances(model, &arguments.disturbance)?,
             notes: outside_the_prior(model, &params, &changes),
-            profile: Profile::of(&arguments.times, inputs, model)?,
             model,
             params,
+            start,
+            disturbances,
             changes,
+            draws,
+            inputs,
         })
     }
 
-    /// Gives the lines of the record to `take`, as long as `go_on` says so, which is told how many parts of
-    /// [`progress::PARTS`] are done; the number of samples, or nothing where it was ended.
+    /// Gives the lines of the record to the first of the two, and shows every sample to the second, as long as `go_on`
+    /// says so, which is told how many parts of [`progress::PARTS`] are done; the number of samples, or nothing where
+    /// it was ended.
     pub fn carry_out(
-        &mut self,
+        &self,
         arguments: &Simulate,
-        take: &mut dyn FnMut(&str) -> Result<(), Diagnostic>,
+        with_forms: bool,
+        (take, each): (Take<'_>, Each<'_>),
         go_on: &dyn Fn(u64) -> bool,
     ) -> Result<Option<usize>, Diagnostics> {
         let model = self.model;
-        let mut simulation = Simulation::new(model, &self.params, &self.start, arguments.steps);
+        let mut profile = Profile::of(&arguments.times, self.inputs.clone(), model)?;
+        let simulation = Simulation::new(model, &self.params, &self.start, arguments.steps);
+        let mut simulation = simulation.keeping(with_forms);
+        let mut draws = self.draws.clone();
         let mut noise = Noise::new(arguments.seed, arguments.decimals);
         let mut open = self.changes.iter().peekable();
-        let mut text = header(arguments, model);
+        let mut text = header(arguments, model, draws.as_ref());
         let mut samples = 0;
-        while let Some(stretch) = self.profile.next()? {
+        while let Some(stretch) = profile.next()? {
             let Stretch {
                 time,
                 texts,
                 mut inputs,
                 to_next,
             } = stretch;
-            if !go_on(self.profile.part_at(&time)) {
+            if !go_on(profile.part_at(&time)) {
                 return Ok(None);
             }
-            inputs.extend(&self.disturbances);
+            if let Some(draws) = &mut draws {
+                for (value, input) in inputs.iter_mut().zip(model.recorded_inputs()) {
+                    *value = draws.point(input.error.enclose(*value));
+                }
+            }
+            let held = self.disturbances.iter();
+            inputs.extend(held.map(|known| match (known, &mut draws) {
+                (Held::Free(bounds), Some(draws)) => draws.point(*bounds),
+                (Held::Free(x) | Held::At(x), _) => *x,
+            }));
             while let Some(change) = open.next_if(|change| change.time <= time) {
                 simulation.change(change.param, change.value.to_interval());
             }
@@ -151,6 +254,7 @@ impl<'m> Prepared<'m> {
                 arguments.error.as_ref(),
                 &mut noise,
             )?;
+            each(&time, &simulation, &inputs)?;
             take(&text)?;
             text.clear();
             samples += 1;
@@ -261,7 +365,11 @@ fn size_of(bound: &ErrorBound, value: Interval) -> f64 {
     (absolute + relative) * (1.0 - f64::EPSILON * 4.0)
 }
 
-fn params(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnostics> {
+fn params(
+    model: &Model,
+    given: &[Assignment],
+    mut draws: Option<&mut Draws>,
+) -> Result<Vec<Interval>, Diagnostics> {
     let names: Vec<&str> = model
         .params
         .iter()
@@ -270,7 +378,8 @@ fn params(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnost
     let values = assigned(("--params", "parameter"), &names, given)?;
     let known = model.params.iter().zip(&values).map(|(param, value)| {
         let own = Some(param.bounds).filter(|bounds| is_number(*bounds));
-        value.as_ref().map(Decimal::to_interval).or(own)
+        let known = value.as_ref().map(Decimal::to_interval).or(own);
+        known.or_else(|| Some(draws.as_mut()?.named(&param.name, param.bounds)))
     });
     let values: Vec<Option<Interval>> = known.collect();
     let missing = names
@@ -293,7 +402,11 @@ fn is_number(x: Interval) -> bool {
     x.is_point() || x.lo().next_up() == x.hi()
 }
 
-fn start(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnostics> {
+fn start(
+    model: &Model,
+    given: &[Assignment],
+    mut draws: Option<&mut Draws>,
+) -> Result<Vec<Interval>, Diagnostics> {
     let names: Vec<&str> = model
         .states
         .iter()
@@ -305,6 +418,10 @@ fn start(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnosti
         match value {
             Some(value) => start.push(value.to_interval()),
             None if is_number(state.init) => start.push(state.init),
+            None if draws.is_some() => {
+                let drawn = draws.as_mut();
+                start.extend(drawn.map(|draws| draws.named(&state.name, state.init)));
+            }
             None => {
                 let init = numbers::show_prior(state.init);
                 let message = format!("the state `{}` starts anywhere in {init}", state.name);
@@ -317,8 +434,20 @@ fn start(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnosti
     Ok(start)
 }
 
-/// What every disturbance is all the time: as asked, else the middle of its bounds.
-fn disturbances(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Diagnostic> {
+/// What a disturbance is.
+enum Held {
+    /// This all the time.
+    At(Interval),
+    /// Anything in here, drawn anew at every sample.
+    Free(Interval),
+}
+
+/// What every disturbance is: as asked, else anything where it is drawn, else the middle of its bounds.
+fn disturbances(
+    model: &Model,
+    given: &[Assignment],
+    is_random: bool,
+) -> Result<Vec<Held>, Diagnostic> {
     let names: Vec<&str> = model
         .disturbances()
         .map(|(input, _)| input.name.as_str())
@@ -326,6 +455,10 @@ fn disturbances(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Di
     let values = assigned(("--disturbance", "disturbance"), &names, given)?;
     let mut held = Vec::new();
     for ((input, bounds), value) in model.disturbances().zip(values) {
+        if value.is_none() && is_random {
+            held.push(Held::Free(bounds));
+            continue;
+        }
         let value = value.map_or(Interval::point(bounds.mid()), |value| value.to_interval());
         if !value.is_subset_of(bounds) {
             let message = format!(
@@ -337,7 +470,7 @@ fn disturbances(model: &Model, given: &[Assignment]) -> Result<Vec<Interval>, Di
             return Err(Diagnostic::new("E0608", message)
                 .help(format!("choose a value in {bounds}, or change the model")));
         }
-        held.push(value);
+        held.push(Held::At(value));
     }
     Ok(held)
 }
@@ -414,7 +547,7 @@ fn changes(model: &Model, given: &[String]) -> Result<Vec<Change>, Diagnostic> {
 }
 
 /// The comment that repeats the record, and the names of the columns.
-fn header(arguments: &Simulate, model: &Model) -> String {
+fn header(arguments: &Simulate, model: &Model, draws: Option<&Draws>) -> String {
     let assignments = |list: &[Assignment]| {
         let each = list.iter().map(|one| format!("{}={}", one.name, one.value));
         each.collect::<Vec<_>>().join(",")
@@ -425,7 +558,10 @@ fn header(arguments: &Simulate, model: &Model) -> String {
     };
     let mut line = format!("# veribound simulate {}", file(&arguments.model));
     let mut flag = |name: &str, value: String| {
-        let _ = write!(line, " --{name} {value}");
+        let _ = write!(line, " --{name}");
+        if !value.is_empty() {
+            let _ = write!(line, " {value}");
+        }
     };
     if !arguments.params.is_empty() {
         flag("params", assignments(&arguments.params));
@@ -456,6 +592,9 @@ fn header(arguments: &Simulate, model: &Model) -> String {
         Some(ErrorFlag::Worst) => flag("error", "worst".to_owned()),
         None => {}
     }
+    if arguments.random {
+        flag("random", String::new());
+    }
     flag("seed", arguments.seed.to_string());
     flag("decimals", arguments.decimals.to_string());
     flag("steps", arguments.steps.to_string());
@@ -480,6 +619,10 @@ fn header(arguments: &Simulate, model: &Model) -> String {
         .iter()
         .map(|s| column(&s.name, s.column.as_ref(), ""));
     columns.extend(inputs.chain(outputs).chain(signals));
+    let drawn = draws.map_or("", |draws| draws.told.as_str());
+    if !drawn.is_empty() {
+        let _ = write!(line, "\n# drawn:{drawn}");
+    }
     format!("{line}\n{}\n", columns.join(","))
 }
 

@@ -75,10 +75,14 @@ pub fn obstacle(
     };
     let state = term.map_or(stopped.state, |term| term.state);
     let term = term.or_else(|| widest_term(model, state, &quantities));
+    let remedy = match stopped.obstacle {
+        Obstacle::NotAffine | Obstacle::NotMonotone => "`--engine auto`".to_owned(),
+        _ => remedy(model, enclosure, state, most_parts),
+    };
     Some(Cause {
         state,
         term: term.map(place),
-        remedy: remedy(model, enclosure, state, most_parts),
+        remedy,
     })
 }
 

@@ -239,7 +239,8 @@ pub fn mode_names(model: &Model, modes: ModeSet) -> String {
     joined(told.filter_map(|mode| Some(model.modes.get(mode)?.name.as_str())))
 }
 
-fn meta(model: &Model) -> FigureMeta {
+/// What the figures are about.
+pub fn meta(model: &Model) -> FigureMeta {
     FigureMeta {
         params: Vec::new(),
         ..figure_meta(model, Zoom::Off, None)

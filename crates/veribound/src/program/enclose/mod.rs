@@ -14,6 +14,7 @@ use super::page::{Material, is_wanted};
 use super::profile::{Profile, Stretch};
 use super::{Outcome, engine, overwriting, progress, run_info};
 use diagnosis::{Cause, PastUse};
+pub use files::{meta, mode_names, plane};
 use std::cell::Cell;
 use std::time::Instant;
 use trajectories::Drawn;

@@ -88,6 +88,11 @@ pub fn reason(model: &Model, found: &Findings) -> Option<String> {
         Obstacle::Undefined => "a function may be undefined, or not smooth, on the set",
         Obstacle::Jump => "the right-hand side may jump on the set",
         Obstacle::Unbounded => "numbers became too large",
+        Obstacle::NotAffine => {
+            return Some(format!(
+                "there is no closed form, since the rate of `{state}` is not affine in the states"
+            ));
+        }
         Obstacle::NotMonotone => "the right-hand side is not proved to be monotone",
         Obstacle::Costly => "bounds were given up that take many times the work of forms",
         Obstacle::Interrupted => return Some("the run was interrupted".to_owned()),
