@@ -301,6 +301,14 @@ fn inputs_of_any_course() {
         );
         assert!(x.width() < 2.0 * 1.05 * most, "{x}");
     }
+    // Held for a fifth of a turn each, with a friction that forgets: what is added turns with what is there.
+    let damped = turning.replace("-x + u", "-x - 0.2*v + u");
+    let list = stretches(30, 1.0, &[interval(-0.1, 0.1)]);
+    let found = closed(&damped, &[Interval::ZERO; 2], &[], &list);
+    let forms = ask(&damped, Engine::Forms, (&[Interval::ZERO; 2], &[]), &list).enclosure;
+    for (own, known) in found.ends[29].iter().zip(&forms.ends[29]) {
+        assert!(own.width() < 0.95 * known.width(), "{own} {known}");
+    }
 }
 
 /// Rates that parameters decide, wide: the hull of the exact solution, also around zero, where nothing may be divided.

@@ -6,6 +6,7 @@
 
 use std::rc::Rc;
 
+use super::super::frame::Frame;
 use super::super::journey::{Acting, Journey};
 use super::super::outward::raised;
 use super::super::set::{Form, ParamForm};
@@ -194,6 +195,27 @@ impl Leap<'_> {
         )
     }
 
+    /// What dependence could not keep after some windows, less a vector, where inputs are uncertain: what each window adds is
+    /// turned by those that follow, instead of put into one box.
+    fn by_windows(&self, numbers: &[usize]) -> Option<(Frame, Vec<f64>)> {
+        let spread = &self.drive.spread;
+        if numbers.len() < 2 || spread.iter().all(|x| *x == 0.0) {
+            return None;
+        }
+        let mut frame = self.form.frame.clone();
+        let mut shift = vec![0.0; spread.len()];
+        for &number in numbers {
+            let level = &self.chain.levels[number];
+            let before: Vec<Interval> = shift.iter().map(|x| Interval::point(*x)).collect();
+            let offset = image(spread.len(), &level.end, &before);
+            let (moved, next) = frame.moved(&level.end, &offset);
+            let gathered = self.chain.gathered(number, spread).into_iter();
+            let more: Vec<Interval> = gathered.map(Interval::symmetric).collect();
+            (frame, shift) = (moved.completed(&more), next);
+        }
+        Some((frame, shift))
+    }
+
     /// Adds to velocities what deviations and inputs do to them.
     fn disturb(&self, velocity: &mut [Interval], rest: &[Interval]) {
         let by_rest = image(rest.len(), &self.chain.steep, rest);
@@ -249,6 +271,9 @@ impl Journey<'_> {
             self.proved.pass(&outputs, acting.regime.modes);
         }
         let goes_on = landing.end == Reached::Somewhere;
+        if let Some(frame) = landing.frame {
+            self.form.frame = frame;
+        }
         match landing.end {
             Reached::Whole => {
                 self.land(acting, landing.arrival, self.left)?;
@@ -313,6 +338,7 @@ impl Journey<'_> {
             }
             walk.tubes.truncate(last);
         }
+        let by_windows = leap.by_windows(&walk.numbers[..last]);
         let is_whole = reached == Reached::Whole && last > 1;
         let at_once = chain.levels.get(chain.halvings).filter(|_| is_whole);
         let place = match at_once {
@@ -321,13 +347,31 @@ impl Journey<'_> {
         };
         let unit = Interval::point(chain.levels[0].length);
         let moved = Interval::point(place.at as f64) * unit;
-        let more: Vec<f64> = place
-            .apart
-            .iter()
-            .zip(more)
-            .map(|(apart, off)| apart + off)
-            .collect();
-        Landing::new(&self.form, place, &more, walk.tubes, (reached, moved))
+        // Both contain all there is.
+        let direct = leap.deviation(&place);
+        let by_windows = by_windows.filter(|(frame, _)| {
+            let both = frame.hull().into_iter().zip(direct);
+            let shares = both.map(|(a, b)| a.width() / (b.width() + 1e-300));
+            shares.sum::<f64>() < n as f64
+        });
+        let (place, more) = match by_windows {
+            Some(_) => {
+                let map = leap.start().map;
+                (Place { map, ..place }, more)
+            }
+            None => {
+                let both = place.apart.iter().zip(&more);
+                let more = both.map(|(apart, off)| sum(*apart, *off)).collect();
+                (place, more)
+            }
+        };
+        let gone = (reached, moved);
+        let mut landing = Landing::new(&self.form, place, &more, walk.tubes, gone)?;
+        if let Some((frame, shift)) = by_windows {
+            landing.arrival.lows = shift;
+            landing.frame = Some(frame);
+        }
+        Some(landing)
     }
 
     /// Whether all that is watched keeps its sign, or moves towards it, on a tube.
@@ -405,6 +449,8 @@ enum Reached {
 struct Landing {
     arrival: Arrival,
     tubes: Vec<Vec<Interval>>,
+    /// What dependence could not keep, where it has been moved already.
+    frame: Option<Frame>,
     end: Reached,
     /// The time, if it is not the whole stretch.
     moved: Interval,
@@ -447,6 +493,7 @@ impl Landing {
                 during,
             },
             tubes,
+            frame: None,
             end,
             moved,
         })
@@ -461,6 +508,8 @@ struct Walk<'a> {
     tubes: Vec<Vec<Interval>>,
     velocities: Vec<Vec<Interval>>,
     lengths: Vec<f64>,
+    /// The levels of the windows.
+    numbers: Vec<usize>,
     /// The hull of all tubes.
     whole: Vec<Interval>,
 }
@@ -473,6 +522,7 @@ impl<'a> Walk<'a> {
             tubes: Vec::new(),
             velocities: Vec::new(),
             lengths: Vec::new(),
+            numbers: Vec::new(),
             whole: vec![Interval::EMPTY; leap.rest.len()],
         }
     }
@@ -514,6 +564,7 @@ impl<'a> Walk<'a> {
             self.tubes.push(window.tube);
             self.velocities.push(window.velocity);
             self.lengths.push(level.length);
+            self.numbers.push(number);
             number = (number + 1).min(top);
         }
         Reached::Somewhere
