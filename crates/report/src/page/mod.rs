@@ -341,7 +341,7 @@ mod tests {
         assert_eq!(
             text.matches("&lt;/script&gt;&lt;script&gt;alert(1)")
                 .count(),
-            12
+            13
         );
     }
 }
