@@ -20,7 +20,7 @@ pub mod numbers;
 pub mod observe;
 mod overlay;
 mod overwriting;
-pub mod profile;
+mod profile;
 pub mod progress;
 pub mod reading;
 mod run_info;
