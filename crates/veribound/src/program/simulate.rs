@@ -212,7 +212,7 @@ impl<'m> Prepared<'m> {
         go_on: &dyn Fn(u64) -> bool,
     ) -> Result<Option<usize>, Diagnostics> {
         let model = self.model;
-        let mut profile = Profile::of(&arguments.times, self.inputs.clone(), model)?;
+        let mut profile = Profile::open(&arguments.times, self.inputs.clone(), model)?;
         let simulation = Simulation::new(model, &self.params, &self.start, arguments.steps);
         let mut simulation = simulation.keeping(with_forms);
         let mut draws = self.draws.clone();
