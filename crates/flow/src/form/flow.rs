@@ -5,7 +5,8 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::journey::{Journey, Meeting};
-use super::piece::{Piece, Shape};
+use super::output::Output;
+use super::piece::{Piece, Shape, drift, gradient};
 use super::proved::Outputs;
 use super::regime::{Field, Regime, Switching};
 use super::run::Stretch;
@@ -36,6 +37,7 @@ pub struct Flow {
 struct Store {
     graph: Graph,
     pieces: HashMap<Shape, Arc<Piece>>,
+    quantities: HashMap<ExprId, Arc<Output>>,
 }
 
 /// A stretch of time could not be proved. It says nothing about the existence of solutions.
@@ -79,6 +81,7 @@ impl Flow {
             store: Mutex::new(Store {
                 graph,
                 pieces: HashMap::new(),
+                quantities: HashMap::new(),
             }),
         }
     }
@@ -219,6 +222,31 @@ impl Flow {
         let piece = Arc::new(Piece::compile(&mut store.graph, self.layout, &shape));
         store.pieces.insert(shape, Arc::clone(&piece));
         piece
+    }
+
+    /// An expression to be evaluated on forms.
+    pub(super) fn quantity(&self, e: ExprId) -> Arc<Output> {
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let store = &mut *store;
+        let known = store.quantities.entry(e);
+        Arc::clone(known.or_insert_with(|| {
+            let states = self.layout.states;
+            Arc::new(Output::compile(&mut store.graph, states, e))
+        }))
+    }
+
+    /// The rate of change of a surface in a mode, where that governs all states that the surface depends on.
+    pub(super) fn drift_in(&self, surface: usize, mode: usize) -> Option<ExprId> {
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        self.switching.drift_in(&mut store.graph, surface, mode)
+    }
+
+    /// How fast an expression changes along the right-hand side of a regime.
+    pub(super) fn rate_of(&self, e: ExprId, regime: &Regime) -> ExprId {
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let graph = &mut store.graph;
+        let slopes = gradient(graph, e);
+        drift(graph, &slopes, &|state| regime.rates[state])
     }
 
     /// The inputs that an expression depends on.
