@@ -179,7 +179,11 @@ impl Journey<'_> {
         let after = creep.form();
         let reached = after.quick_hull();
         let begun = before.quick_hull();
-        let tube: Vec<Interval> = begun.iter().zip(&reached).map(|(a, b)| a.hull(*b)).collect();
+        let tube: Vec<Interval> = begun
+            .iter()
+            .zip(&reached)
+            .map(|(a, b)| a.hull(*b))
+            .collect();
         let outputs = self.outputs_on(&tube, inputs);
         let modes = creep.hold.modes.union(creep.leaving.regime.modes);
         self.proved.pass(&outputs, modes);
@@ -204,7 +208,10 @@ impl Journey<'_> {
         inputs: &[Interval],
         seconds: f64,
     ) -> Option<Creep> {
-        if !creep.is_final && creep.is_new() && let Some(spread) = self.farthest(&creep) {
+        if !creep.is_final
+            && creep.is_new()
+            && let Some(spread) = self.farthest(&creep)
+        {
             creep.spread = spread;
             creep.is_final = true;
         }
@@ -255,7 +262,10 @@ impl Journey<'_> {
                 };
                 next.push(Interval::new(below, above)?);
             }
-            let is_proved = next.iter().zip(&speeds).all(|(x, speed)| x.is_subset_of(*speed));
+            let is_proved = next
+                .iter()
+                .zip(&speeds)
+                .all(|(x, speed)| x.is_subset_of(*speed));
             if is_proved {
                 if !self.stays_near(&creep, &during, inputs) {
                     return None;
@@ -317,7 +327,12 @@ impl Journey<'_> {
         };
         // A cell is a share of about where they stop.
         let first = push(Interval::ZERO, 0.0)?;
-        let scale = creep.base.quick_hull().iter().map(|x| x.mag()).fold(0.0, f64::max);
+        let scale = creep
+            .base
+            .quick_hull()
+            .iter()
+            .map(|x| x.mag())
+            .fold(0.0, f64::max);
         let probe = 1e-6 * (scale + 1e-30);
         let slope = (push(Interval::point(probe), 0.0)? - first) / probe;
         let cell = -2.0 * first / (slope * CELLS);
@@ -329,7 +344,8 @@ impl Journey<'_> {
         for _ in 0..2 * CELLS as usize {
             let next = far + cell;
             let rate = push(Interval::new(far, next)?, fast)?;
-            let gained = Interval::point(2.0 * rate) * (Interval::point(next) - Interval::point(far));
+            let gained =
+                Interval::point(2.0 * rate) * (Interval::point(next) - Interval::point(far));
             let after = (Interval::point(work) + gained).hi();
             if after.max(0.0).sqrt() >= fast * (1.0 - 1e-9) {
                 return None;
@@ -340,7 +356,9 @@ impl Journey<'_> {
                 let all = spread(Interval::new(0.0, far)?, raised(largest.sqrt(), 4));
                 // Nothing else moves, and everything else watched keeps its sign.
                 let others = (0..n).filter(|i| *i != level.state && !follows(*i));
-                let rest = others.map(|i| on(i, &all)).all(|rate| rate == Some(Interval::ZERO));
+                let rest = others
+                    .map(|i| on(i, &all))
+                    .all(|rate| rate == Some(Interval::ZERO));
                 let near: Vec<Interval> = all
                     .iter()
                     .map(|x| x.inflate(raised(1e-3 * x.width(), 1)))
@@ -358,7 +376,8 @@ impl Journey<'_> {
         let held = creep.hold.watches.iter().filter(|w| !creep.leaving.asks(w));
         let beyond = creep.leaving.regime.watches.iter();
         let beyond = beyond.filter(|watch| !creep.leaving.is_beyond(watch));
-        held.chain(beyond).all(|watch| self.has_sign(&form, *watch, inputs))
+        held.chain(beyond)
+            .all(|watch| self.has_sign(&form, *watch, inputs))
     }
 
     /// Whether what is watched has its sign on a form.

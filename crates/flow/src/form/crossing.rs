@@ -379,7 +379,9 @@ impl Journey<'_> {
                 };
                 // What acts on both sides is not watched any more.
                 let goes_on = [way, Signs::ZERO, Signs::ANY].contains(&regime.signs[surface]);
-                return goes_on.then(|| Beyond::without_jump(regime, near)).ok_or(None);
+                return goes_on
+                    .then(|| Beyond::without_jump(regime, near))
+                    .ok_or(None);
             }
         }
         let next = self.certain_beyond((acting, asked), field, (near, inputs), signs);

@@ -12,8 +12,8 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::flow::{Diverged, Flow};
 use super::creeping::Creep;
+use super::flow::{Diverged, Flow};
 use super::output::Strip;
 use super::parting::{Portion, Undecided};
 use super::piece::Piece;

@@ -48,7 +48,8 @@ impl Journey<'_> {
         let value = |expr: ExprId| form.evaluate(&flow.quantity(expr), inputs).ok();
         let mut progress = false;
         for (surface, known) in switching.surfaces.list.iter().enumerate() {
-            let is_open = ![Signs::NEGATIVE, Signs::ZERO, Signs::POSITIVE].contains(&signs[surface]);
+            let is_open =
+                ![Signs::NEGATIVE, Signs::ZERO, Signs::POSITIVE].contains(&signs[surface]);
             if is_open
                 && known.level.is_none()
                 && let Some((polynomial, off)) = value(known.expr)

@@ -70,7 +70,8 @@ impl Journey<'_> {
     ) -> Option<Undecided> {
         let mut here = open.into_iter().filter(|open| open.surface == surface);
         let open = here.next()?;
-        if here.any(|other| other.expr != open.expr) || !self.flow.switching.is_steady(surface, field)
+        if here.any(|other| other.expr != open.expr)
+            || !self.flow.switching.is_steady(surface, field)
         {
             return None;
         }
@@ -116,7 +117,9 @@ impl Journey<'_> {
             (cuts.len() < self.may_part).then_some((cuts, first))
         });
         let (cuts, first) = cuts?;
-        let scaled = cuts.iter().map(|x| ((x - middle) / turned.size).clamp(-1.0, 1.0));
+        let scaled = cuts
+            .iter()
+            .map(|x| ((x - middle) / turned.size).clamp(-1.0, 1.0));
         let bounds: Vec<f64> = [-1.0].into_iter().chain(scaled).chain([1.0]).collect();
         let mut parts = Vec::with_capacity(bounds.len());
         for (number, ends) in bounds.windows(2).enumerate() {
@@ -180,7 +183,8 @@ impl Form {
             }
         }
         let slope = |v: usize| decider[monomials.linear(v)];
-        let v = (0..self.unknowns.len()).max_by(|a, b| slope(*a).abs().total_cmp(&slope(*b).abs()))?;
+        let v =
+            (0..self.unknowns.len()).max_by(|a, b| slope(*a).abs().total_cmp(&slope(*b).abs()))?;
         let own = monomials.linear(v);
         let size: f64 = decider[1..].iter().map(|x| x.abs()).sum::<f64>() * (1.0 + 1e-9);
         let fit = slope(v).abs() > 0.0 && size.is_finite();

@@ -533,7 +533,10 @@ impl Switching {
 
     /// The side of a surface on which a mode acts, if it acts on one only.
     pub(super) fn side_of(&self, surface: usize, mode: usize, signs: &[Signs]) -> Option<Signs> {
-        let group = self.groups.iter().position(|group| group.modes.contains(&mode))?;
+        let group = self
+            .groups
+            .iter()
+            .position(|group| group.modes.contains(&mode))?;
         let on = |sign: Signs| {
             let possible = self.possible_with(group, signs, (surface, sign));
             possible.contains(&mode)

@@ -198,10 +198,12 @@ impl Passage {
     /// A box around some of the forms at the end.
     fn around(&self, forms: &[Form]) -> Vec<Interval> {
         let states = self.proved.ends.first().map_or(0, Vec::len);
-        forms.iter().fold(vec![Interval::EMPTY; states], |all, form| {
-            let hull = form.quick_hull();
-            all.iter().zip(&hull).map(|(a, b)| a.hull(*b)).collect()
-        })
+        forms
+            .iter()
+            .fold(vec![Interval::EMPTY; states], |all, form| {
+                let hull = form.quick_hull();
+                all.iter().zip(&hull).map(|(a, b)| a.hull(*b)).collect()
+            })
     }
 
     fn forms(&self) -> impl Iterator<Item = &Form> {
@@ -442,7 +444,10 @@ impl Flow {
             let reached = |failure: &Diverged| failure.reached.lo();
             let is_first = passage.forms().next().is_none();
             if let Some(failure) = failure
-                && passage.failure.as_ref().is_none_or(|known| reached(&failure) < reached(known))
+                && passage
+                    .failure
+                    .as_ref()
+                    .is_none_or(|known| reached(&failure) < reached(known))
             {
                 passage.failure = Some(failure);
             }
@@ -474,7 +479,9 @@ fn highest_degree(unknowns: usize) -> usize {
 /// linearly.
 fn divide((states, params): &Set, passage: &Passage) -> Option<[Set; 2]> {
     let curved = |form: &Form| form.curvature().iter().sum::<f64>();
-    let form = passage.forms().max_by(|a, b| curved(a).total_cmp(&curved(b)))?;
+    let form = passage
+        .forms()
+        .max_by(|a, b| curved(a).total_cmp(&curved(b)))?;
     let weights = if passage.torn.iter().any(|weight| *weight > 0.0) {
         passage.torn.clone()
     } else {
