@@ -600,7 +600,7 @@ impl Journey<'_> {
         if let Some(creep) = &creep {
             landing = creep.form();
             for (tube, by) in landing.tube.iter_mut().zip(&creep.spread) {
-                *tube = *tube + by.hull(Interval::ZERO);
+                *tube += by.hull(Interval::ZERO);
             }
         }
         let mut signs = next.regime.signs.clone();

@@ -49,7 +49,9 @@
 //! signs of the expressions in guards (`regime.rs`); they are watched along every step (`watching.rs`). Where
 //! one may change, all solutions cross its zero together, each at a time of its own that is a polynomial in
 //! the unknowns (`crossing.rs`): into another mode, into one that holds the surface (stick), out of it, over a kink, or
-//! through a jump of the state. So states stay functions of the unknowns. Where a crossing cannot be proved, because some
+//! through a jump of the state. So states stay functions of the unknowns. Where what comes next depends on the solution, as
+//! where some stick and others turn, the set is divided along what decides (`open.rs`, `parting.rs`), and those that
+//! hesitate stay within bounds of their own (`creeping.rs`). Where a crossing cannot be proved, because some
 //! solutions graze or stay behind, boxes go on for a moment (`mixed.rs`).
 //!
 //! Sources: Taylor models, Makino and Berz 1996; Lohner's frames, Lohner 1988; the comparison of defects is

@@ -102,7 +102,7 @@ impl Journey<'_> {
         let middle = open.polynomial[0];
         let values = Interval::point(middle).inflate(turned.size);
         let border = (CLEAR * (open.off + turned.off)).max(THIN * values.width());
-        if !(border < THICK * values.width()) {
+        if border.is_nan() || border >= THICK * values.width() {
             return None;
         }
         let towards = |sign: Signs| undecided.way.is_none_or(|way| way == sign);
@@ -209,7 +209,7 @@ impl Form {
         rest[own] -= 1.0;
         let rest: f64 = rest.iter().map(|x| x.abs() * (1.0 + 4.0 * UNIT)).sum();
         let rest = raised(rest + lost, monomials.len() + 4);
-        if !(rest < ROUGH) {
+        if rest.is_nan() || rest >= ROUGH {
             return None;
         }
         let replaced = |polynomial: &[f64]| -> (Vec<f64>, f64) {

@@ -476,16 +476,12 @@ impl Form {
             return 0.0;
         }
         let mut largest: f64 = 0.0;
-        for (polynomial, rest) in self.states.iter().zip(self.frame.hull()) {
-            let (mut own, mut rest) = (0.0, rest.rad());
-            for (a, x) in polynomial.iter().enumerate().skip(1) {
-                if self.is_fresh(a) {
-                    rest += x.abs();
-                } else {
-                    own += x.abs();
-                }
-            }
-            if rest > 1e-9 * polynomial[0].abs() {
+        for (state, polynomial) in self.states.iter().enumerate() {
+            let terms = polynomial.iter().enumerate().skip(1);
+            let own = terms.filter(|(a, _)| !self.is_fresh(*a));
+            let own: f64 = own.map(|(_, x)| x.abs()).sum();
+            let rest = self.rest(state);
+            if rest > 0.0 {
                 largest = largest.max(rest / (rest + own));
             }
         }
