@@ -103,3 +103,30 @@ fn no_form_loses_a_solution_that_jumps() {
         assert!(seen.events.jumps > 0 && seen.proved > rounds, "{seen:?}");
     }
 }
+
+/// A stem that stands on a stop, and reaches the other one, while boxes go on for all times: what rounding moves behind
+/// the stop must not keep images of jumps from closing, or steps become ever shorter.
+#[test]
+fn what_stands_on_a_stop_takes_no_more_steps() {
+    let text = "format = 1\nstates = [\"x\", \"v\"]\ninputs = [\"p\"]\n[init]\nx = 0\nv = 0\n[params]\nc = [30, 90]\nFc = [0, 3]\n\
+        [let]\ndrive = \"p - 100*x - c*v\"\n[der]\nx = \"v\"\nv = \"drive - friction(v, drive, Fc)\"\n[jumps]\n\
+        closed = { when = \"x <= 0 and v < 0\", set = { v = \"0\" } }\nopen = { when = \"x >= 0.05 and v > 0\", set = { v = \"0\" } }\n\
+        [outputs]\nstem = \"x +- 0.0003\"\n";
+    let flow = Flow::new(&read("valve", text));
+    let stretches = (0..60).map(|k: i32| Stretch {
+        inputs: vec![Interval::point(f64::from(k.min(59 - k)) / 3.0)],
+        dt: Interval::point(0.1),
+    });
+    let stretches: Vec<Stretch> = stretches.collect();
+    let params = [interval(30.0, 90.0), interval(0.0, 3.0)];
+    let start = [Interval::ZERO; 2];
+    let effort = Effort {
+        parts: 1,
+        ..Effort::default()
+    };
+    let found = flow.enclose(&start, &params, &stretches, FormOptions::default(), effort);
+    assert!(found.stopped.is_none(), "{:?}", found.stopped);
+    assert!(found.steps < 1500, "{} steps", found.steps);
+    let stem = interval(0.0, 0.05).inflate(1e-9);
+    assert!(found.tubes.iter().all(|tube| tube[0].is_subset_of(stem)));
+}

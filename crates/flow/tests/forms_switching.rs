@@ -29,7 +29,7 @@ struct Tally {
 fn enclose(target: &Target, flow: &Flow, rng: &mut Rng, tally: &mut Tally) {
     let case = Case::draw(target, rng);
     let effort = Effort {
-        parts: 1 + rng.below(3),
+        parts: rng.pick(&[1, 2, 3, 12]),
         ..Effort::default()
     };
     let chosen = options(rng);

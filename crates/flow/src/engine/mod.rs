@@ -23,6 +23,10 @@ const WORTH: f64 = 4.0;
 /// Closed forms are taken where the longest stretch, times how fast states change each other, is at least this: then
 /// forms need several steps for it.
 pub const LONG: f64 = 3.0;
+/// Comparison bounds that are asked for alone may cost so many steps of forms a stretch, or as if there were at least
+/// so many stretches.
+const FAIR: f64 = 8.0;
+const LEAST: usize = 64;
 
 /// A way to enclose all solutions.
 ///
@@ -203,7 +207,7 @@ impl Engines {
             Engine::Auto => self.best(task, go_on),
             Engine::Boxes => Answer::of(self.boxes(task, go_on), Engine::Boxes),
             Engine::Forms => Answer::of(self.forms(task, go_on), Engine::Forms),
-            Engine::Comparison => match self.compare(task, f64::INFINITY, go_on) {
+            Engine::Comparison => match self.compare(task, self.fair(task), go_on) {
                 Ok(compared) => Answer::compared(compared),
                 Err(disorders) => Answer {
                     disorders,
@@ -221,6 +225,13 @@ impl Engines {
         let set = (task.states, task.params);
         self.flow
             .enclose_watched(set, task.stretches, task.options, task.effort, go_on)
+    }
+
+    /// What corners that keep unknowns may cost where nothing else is asked: about so many steps of forms with all
+    /// unknowns. What needs more is a task for forms.
+    fn fair(&self, task: Task<'_>) -> f64 {
+        let form = self.flow.start(task.states, task.params, task.options);
+        FAIR * task.stretches.len().max(LEAST) as f64 * form.cost()
     }
 
     /// Comparison bounds, of which corners that keep unknowns may cost `most` ([`Standing::cost`]).

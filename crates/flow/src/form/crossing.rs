@@ -33,10 +33,12 @@
 )]
 
 use super::ahead::{around, later};
+use super::creeping::{Creep, Leaving};
 use super::frame::Frame;
 use super::journey::{Acting, Arriving, Journey};
 use super::monomials::Monomials;
 use super::outward::{UNIT, raised};
+use super::parting::Undecided;
 use super::piece::{OnBox, Piece};
 use super::range::range;
 use super::regime::{Field, Reason, Regime, Watch};
@@ -49,6 +51,17 @@ use veribound_model::Level;
 /// Windows are longer than they should have to be by the first share, or else by the second.
 const SPARE: [f64; 2] = [0.3, 1.5];
 
+impl Beyond {
+    fn without_jump(regime: Regime, near: &[Interval]) -> Beyond {
+        Beyond {
+            regime,
+            jump: None,
+            after: near.to_vec(),
+            leaving: None,
+        }
+    }
+}
+
 /// What happens on the surface.
 struct Passage {
     regime: Regime,
@@ -57,6 +70,17 @@ struct Passage {
     rates: Vec<Interval>,
     /// How far solutions go between crossing and the time computed for it.
     nearby: Vec<Interval>,
+    /// What moves solutions away that may not be held.
+    leaving: Option<Leaving>,
+}
+
+/// What comes after a surface.
+struct Beyond {
+    regime: Regime,
+    jump: Option<usize>,
+    /// The box solutions start from there.
+    after: Vec<Interval>,
+    leaving: Option<Leaving>,
 }
 
 impl Journey<'_> {
@@ -130,7 +154,14 @@ impl Journey<'_> {
         if (times * Interval::point(unit)).hi() + apart > span * unit {
             return None;
         }
-        let passage = self.passage((&*acting, &inputs), asked, (&arrival, &deviation), apart)?;
+        let passage = self.passage((&*acting, &inputs), asked, (&arrival, &deviation), apart);
+        let passage = match passage {
+            Ok(passage) => passage,
+            Err(undecided) => {
+                self.undecided = undecided;
+                return None;
+            }
+        };
         let form = self.landed(
             (&*acting, &inputs),
             &arrival,
@@ -156,13 +187,22 @@ impl Journey<'_> {
         rest[0] = last - scaled[0];
         let moved = (Interval::point(scaled[0]) + Interval::point(rest[0])) * Interval::point(unit);
         let next_one = (&mut next, form, &inputs[..]);
-        let (landing, second) = self.afterwards(next_one, asked, (rest, unit))?;
+        let (landing, second) = self.afterwards(next_one, asked, (rest, unit), &passage)?;
+        let creep = match &passage.leaving {
+            None => None,
+            Some(leaving) => {
+                let first = (times.lo() * unit - apart).max(0.0);
+                let creep = Creep::new(&next, leaving.clone(), landing.clone())?;
+                let since = raised(moved.hi() - first, 1);
+                Some(self.crept(creep, &inputs, since)?)
+            }
+        };
         let before = (&*acting, &prepared, &arrival);
         let times = (&scaled[..], moved, apart);
         self.pass(
             before,
             (&next, &second.0, &second.1),
-            landing,
+            (landing, creep),
             times,
             (&passage, self.captured(asked, &passage)),
         )
@@ -205,13 +245,15 @@ impl Journey<'_> {
     }
 
     /// What happens on the surface.
+    ///
+    /// Errors: what is undecided there, if only that stands in the way.
     fn passage(
         &self,
         (acting, inputs): (&Acting, &[Interval]),
         asked: Watch,
         (arrival, deviation): (&Arrival, &[Interval]),
         apart: f64,
-    ) -> Option<Passage> {
+    ) -> Result<Passage, Option<Undecided>> {
         let flow = self.flow;
         let on_it: Vec<Interval> = arrival
             .states
@@ -223,13 +265,19 @@ impl Journey<'_> {
         for _ in 0..4 {
             let near = inflated(&on_it, &reach);
             let quantities = self.quantities(&near, inputs);
-            let field = flow.switching.field(&quantities)?;
-            let before = acting.piece.on_box(&quantities)?.rates;
-            let (regime, jump, after) = self.next_regime(acting, asked, &field, (&near, inputs))?;
+            let mut field = flow.switching.field(&quantities).ok_or(None)?;
+            let before = acting.piece.on_box(&quantities).ok_or(None)?.rates;
+            let form = || self.near((arrival, deviation), &reach);
+            let Beyond {
+                regime,
+                jump,
+                after,
+                leaving,
+            } = self.beyond((acting, asked), &mut field, (&near, inputs), &form)?;
             let piece = flow.piece(&regime);
             let after = inflated(&after, &reach);
             let quantities = self.quantities(&after, inputs);
-            let OnBox { rates, watched } = piece.on_box(&quantities)?;
+            let OnBox { rates, watched } = piece.on_box(&quantities).ok_or(None)?;
             let wider: Vec<f64> = before
                 .iter()
                 .zip(&rates)
@@ -237,50 +285,118 @@ impl Journey<'_> {
                 .collect();
             // Both solutions stay in the box between the two times.
             if wider.iter().zip(&reach).all(|(w, r)| *w <= 1.1 * r) {
-                if !self.keeps_to(&regime, asked, &watched, inputs) {
-                    return None;
+                let form = jump.is_none().then_some(&form as &dyn Fn() -> Form);
+                if !self.keeps_to((&regime, &leaving), asked, &watched, (form, inputs)) {
+                    return Err(None);
                 }
-                return Some(Passage {
+                return Ok(Passage {
                     regime,
                     jump,
                     rates,
                     nearby: near,
+                    leaving,
                 });
             }
             reach = wider.iter().map(|w| 1.2 * w).collect();
         }
-        None
+        Err(None)
+    }
+
+    /// All solutions at the times computed for their crossings, and `reach` around.
+    fn near(&self, (arrival, deviation): (&Arrival, &[Interval]), reach: &[f64]) -> Form {
+        let mut form = self.form.clone();
+        form.states.clone_from(&arrival.states);
+        let off = deviation.iter().map(|d| d.hull(Interval::ZERO));
+        let off: Vec<Interval> = off.collect();
+        form.frame = Frame::upright(inflated(&off, reach));
+        form
     }
 
     /// Whether a regime lasts from the crossing to the time computed for it, where what it watches has these
-    /// values and rates.
+    /// values and rates, and solutions are in `form`, if there is one.
     fn keeps_to(
         &self,
-        regime: &Regime,
+        (regime, leaving): (&Regime, &Option<Leaving>),
         asked: Watch,
         watched: &[[Interval; 2]],
-        inputs: &[Interval],
+        (form, inputs): (Option<&dyn Fn() -> Form>, &[Interval]),
     ) -> bool {
         let mut watches = regime.watches.iter().zip(watched);
         watches.all(|(own, [value, rate])| {
             let is_exact = |input: usize| inputs[input].is_point();
             let is_steady = || self.flow.inputs_of(own.expr).into_iter().all(is_exact);
+            let is_left = || leaving.as_ref().is_some_and(|leaving| leaving.asks(own));
+            let moving = || Watch {
+                expr: self.flow.rate_of(own.expr, regime),
+                ..*own
+            };
+            let on_form = || {
+                form.is_some_and(|form| {
+                    let form = form();
+                    self.has_sign(&form, *own, inputs)
+                        || (is_steady() && self.has_sign(&form, moving(), inputs))
+                })
+            };
             follows(asked, *own)
                 || Signs::strict(*value) == Some(own.sign)
                 || (Signs::strict(*rate) == Some(own.sign) && is_steady())
+                || is_left()
+                || on_form()
         })
     }
 
-    /// The regime on the other side, with the jump that leads there and the box it starts from.
-    fn next_regime(
+    /// What comes after the surface.
+    ///
+    /// Errors: what is undecided there, if only that stands in the way.
+    fn beyond(
         &self,
-        acting: &Acting,
-        asked: Watch,
-        field: &Field,
+        (acting, asked): (&Acting, Watch),
+        field: &mut Field,
         (near, inputs): (&[Interval], &[Interval]),
-    ) -> Option<(Regime, Option<usize>, Vec<Interval>)> {
+        form: &dyn Fn() -> Form,
+    ) -> Result<Beyond, Option<Undecided>> {
         let flow = self.flow;
         let mut signs = flow.switching.narrowed(field.signs(), &acting.regime.signs);
+        if let Reason::Side { surface } = asked.reason {
+            let way = asked.sign.flipped();
+            signs[surface] = Signs::ZERO;
+            if !flow.switching.jump_possible(&signs) {
+                let regime = match self.resolve_on((field, &signs), form, inputs) {
+                    Ok(regime) => regime,
+                    Err(open) => {
+                        let undecided = self.undecided_at(surface, field, &signs, open);
+                        let undecided = undecided.ok_or(None)?;
+                        if let Some((regime, leaving)) = self.leaving(field, signs, &undecided) {
+                            return Ok(Beyond {
+                                regime,
+                                jump: None,
+                                after: near.to_vec(),
+                                leaving: Some(leaving),
+                            });
+                        }
+                        return Err(Some(undecided));
+                    }
+                };
+                // What acts on both sides is not watched any more.
+                let goes_on = [way, Signs::ZERO, Signs::ANY].contains(&regime.signs[surface]);
+                return goes_on
+                    .then(|| Beyond::without_jump(regime, near))
+                    .ok_or(None);
+            }
+        }
+        let next = self.certain_beyond((acting, asked), field, (near, inputs), signs);
+        next.ok_or(None)
+    }
+
+    /// As [`Journey::beyond`], where something jumps on a surface, or it is none.
+    fn certain_beyond(
+        &self,
+        (acting, asked): (&Acting, Watch),
+        field: &Field,
+        (near, inputs): (&[Interval], &[Interval]),
+        mut signs: Vec<Signs>,
+    ) -> Option<Beyond> {
+        let flow = self.flow;
         match asked.reason {
             Reason::Kink => {
                 // The same modes go on; only the kink is on the other side.
@@ -289,21 +405,11 @@ impl Journey<'_> {
                     return None;
                 }
                 flow.straighten(field, (asked.expr, asked.sign.flipped()), &mut regime);
-                Some((regime, None, near.to_vec()))
+                Some(Beyond::without_jump(regime, near))
             }
             Reason::Side { surface } => {
-                let beyond = asked.sign.flipped();
-                signs[surface] = Signs::ZERO;
-                if !flow.switching.jump_possible(&signs) {
-                    let regime = flow.resolve(Some(field), &signs)?;
-                    let goes_on =
-                        regime.signs[surface] == beyond || regime.signs[surface] == Signs::ZERO;
-                    // What acts on both sides is not watched any more.
-                    let is_free = regime.signs[surface] == Signs::ANY;
-                    return (goes_on || is_free).then(|| (regime, None, near.to_vec()));
-                }
                 let mut far = signs.clone();
-                far[surface] = beyond;
+                far[surface] = asked.sign.flipped();
                 let jump = flow.switching.certain_jump(&signs, &far)?;
                 let (after, keeps) =
                     flow.switching
@@ -326,7 +432,12 @@ impl Journey<'_> {
                         reason: asked.reason,
                     });
                 }
-                Some((regime, Some(jump), after))
+                Some(Beyond {
+                    regime,
+                    jump: Some(jump),
+                    after,
+                    leaving: None,
+                })
             }
             Reason::Hold { surface, side } => {
                 signs[surface] = side;
@@ -346,7 +457,7 @@ impl Journey<'_> {
                 regime.watches.extend(other);
                 let same_side = |watch: &&Watch| watch.reason == asked.reason;
                 let alone = acting.regime.watches.iter().filter(same_side).count() == 1;
-                alone.then(|| (regime, None, near.to_vec()))
+                alone.then(|| Beyond::without_jump(regime, near))
             }
         }
     }
@@ -432,6 +543,7 @@ impl Journey<'_> {
         (next, form, inputs): (&mut Acting, Form, &[Interval]),
         asked: Watch,
         (rest, unit): (Vec<f64>, f64),
+        passage: &Passage,
     ) -> Option<(Form, (Form, Prepared))> {
         let monomials = &form.monomials;
         let longest = around(&rest).hi() * unit;
@@ -443,7 +555,9 @@ impl Journey<'_> {
         let span = prepared.bounds.span;
         for (watch, own) in next.regime.watches.iter().enumerate() {
             let place = (&next.scratch, &**monomials);
-            let is_safe = if follows(asked, *own) {
+            let leaving = passage.leaving.as_ref();
+            let is_left = leaving.is_some_and(|leaving| leaving.asks(own));
+            let is_safe = if is_left || follows(asked, *own) {
                 true
             } else if own.reason == asked.reason && own.expr == asked.expr {
                 let rate = next.piece.probes[watch].rate;
@@ -478,11 +592,21 @@ impl Journey<'_> {
         &mut self,
         (acting, prepared, arrival): (&Acting, &Prepared, &Arrival),
         (next, second, after): (&Acting, &Form, &Prepared),
-        landing: Form,
+        (mut landing, creep): (Form, Option<Creep>),
         (scaled, moved, apart): (&[f64], Interval, f64),
         (passage, captured): (&Passage, Option<Captured>),
     ) -> Option<()> {
         // The second step begins at the time computed, which may be `apart` after the crossing.
+        if let Some(creep) = &creep {
+            landing = creep.form();
+            for (tube, by) in landing.tube.iter_mut().zip(&creep.spread) {
+                *tube += by.hull(Interval::ZERO);
+            }
+        }
+        let mut signs = next.regime.signs.clone();
+        if let Some(leaving) = &passage.leaving {
+            signs[leaving.surface] = Signs::ANY;
+        }
         let early = passage
             .rates
             .iter()
@@ -517,12 +641,14 @@ impl Journey<'_> {
             }
             let mut behind = None;
             if since.hi() >= times.lo() - apart {
-                behind = Some(self.late(
-                    (next, second, after),
-                    (scaled, unit),
-                    since,
-                    (apart, passage),
-                )?);
+                let late = (next, second, after);
+                let mut place = self.late(late, (scaled, unit), since, (apart, passage))?;
+                if let Some(creep) = &creep {
+                    for (off, by) in place.deviation.iter_mut().zip(&creep.spread) {
+                        *off += *by;
+                    }
+                }
+                behind = Some(place);
             }
             let hull = |place: &Option<Place>| {
                 let place = place.as_ref();
@@ -530,7 +656,7 @@ impl Journey<'_> {
             };
             let (mut early, mut late) = (hull(&before), hull(&behind));
             self.clip(&acting.regime.signs, &mut early);
-            self.clip(&next.regime.signs, &mut late);
+            self.clip(&signs, &mut late);
             let end: Vec<Interval> = match (early.is_empty(), late.is_empty()) {
                 (false, false) => early.iter().zip(&late).map(|(a, b)| a.hull(*b)).collect(),
                 (true, _) => late,
@@ -561,7 +687,10 @@ impl Journey<'_> {
                 .get(current)
                 .map_or(Interval::ZERO, |stretch| stretch.dt);
         }
-        let modes = acting.regime.modes.union(next.regime.modes);
+        let mut modes = acting.regime.modes.union(next.regime.modes);
+        if let Some(leaving) = &passage.leaving {
+            modes = modes.union(leaving.regime.modes);
+        }
         self.proved.steps += 2;
         self.passed_by = passing;
         for (stretch, (end, whole)) in (self.current..).zip(passed) {
@@ -580,6 +709,7 @@ impl Journey<'_> {
         }
         let begin = self.form.elapsed;
         let begun = current != self.current;
+        self.earlier.clear();
         self.form = landing;
         self.form.elapsed = begin + since;
         if begun {
@@ -587,8 +717,9 @@ impl Journey<'_> {
         }
         self.form.elapsed = begin + moved;
         self.form.tube = tube_now;
-        self.form.signs.clone_from(&next.regime.signs);
+        self.form.signs = signs;
         self.left = left - (moved - since);
+        self.creep = creep;
         Some(())
     }
 

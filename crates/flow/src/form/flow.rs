@@ -6,7 +6,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::closed::{Linear, balanced, slopes_of};
 use super::journey::{Journey, Meeting};
-use super::piece::{Piece, Shape};
+use super::output::Output;
+use super::piece::{Piece, Shape, drift, gradient};
 use super::proved::Outputs;
 use super::regime::{Field, Regime, Switching};
 use super::run::Stretch;
@@ -49,6 +50,7 @@ struct Store {
     pieces: HashMap<Shape, Arc<Piece>>,
     /// Of right-hand sides that are affine in the states.
     linear: HashMap<Shape, Option<Arc<Linear>>>,
+    quantities: HashMap<ExprId, Arc<Output>>,
 }
 
 /// A stretch of time could not be proved. It says nothing about the existence of solutions.
@@ -93,6 +95,7 @@ impl Flow {
                 graph,
                 pieces: HashMap::new(),
                 linear: HashMap::new(),
+                quantities: HashMap::new(),
             }),
         }
     }
@@ -316,6 +319,31 @@ impl Flow {
             }
         }
         Some(balanced(n, &slopes).1)
+    }
+
+    /// An expression to be evaluated on forms.
+    pub(super) fn quantity(&self, e: ExprId) -> Arc<Output> {
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let store = &mut *store;
+        let known = store.quantities.entry(e);
+        Arc::clone(known.or_insert_with(|| {
+            let states = self.layout.states;
+            Arc::new(Output::compile(&mut store.graph, states, e))
+        }))
+    }
+
+    /// The rate of change of a surface in a mode, where that governs all states that the surface depends on.
+    pub(super) fn drift_in(&self, surface: usize, mode: usize) -> Option<ExprId> {
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        self.switching.drift_in(&mut store.graph, surface, mode)
+    }
+
+    /// How fast an expression changes along the right-hand side of a regime.
+    pub(super) fn rate_of(&self, e: ExprId, regime: &Regime) -> ExprId {
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let graph = &mut store.graph;
+        let slopes = gradient(graph, e);
+        drift(graph, &slopes, &|state| regime.rates[state])
     }
 
     /// The inputs that an expression depends on.

@@ -9,13 +9,16 @@
     reason = "PROOF: one entry per state, stretch or input, from the same lists"
 )]
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::closed::Chains;
+use super::creeping::Creep;
 use super::flow::{Diverged, Flow};
 use super::output::Strip;
+use super::parting::{Portion, Undecided};
 use super::piece::Piece;
-use super::proved::Proved;
+use super::proved::{Mark, Proved};
 use super::regime::{Field, Reason, Regime};
 use super::run::Stretch;
 use super::set::Form;
@@ -96,6 +99,19 @@ impl Acting {
     }
 }
 
+/// A place on the way of a form.
+pub(super) struct Place {
+    pub(super) form: Form,
+    pub(super) current: usize,
+    left: Interval,
+    begin: Interval,
+    before: Vec<Interval>,
+    proved: Mark,
+}
+
+/// So many of the last places are remembered.
+const REMEMBERED: usize = 4;
+
 /// All solutions of a form at the begin of a stretch, or at the end of the last.
 ///
 /// Guarantee: every solution of the form lies in it at that time.
@@ -160,6 +176,18 @@ pub(super) struct Journey<'a> {
     pub(super) torn: Vec<f64>,
     /// Closed forms that were met.
     pub(super) chains: Chains,
+    /// How many parts a set may be divided into where outcomes part.
+    pub(super) may_part: usize,
+    /// Whether outcomes part somewhere in this set, so near to everywhere that no smaller part is worth it.
+    pub(super) is_border: bool,
+    /// The last places on the way through one regime.
+    pub(super) earlier: VecDeque<Place>,
+    /// Where outcomes part, if a crossing failed for that.
+    pub(super) undecided: Option<Undecided>,
+    /// The parts, if the form was divided instead of moved.
+    pub(super) parts: Vec<Portion>,
+    /// Solutions that may creep away from where they stand.
+    pub(super) creep: Option<Creep>,
     begin: Interval,
     before: Vec<Interval>,
 }
@@ -171,6 +199,12 @@ impl<'a> Journey<'a> {
             before: form.quick_hull(),
             torn: vec![0.0; form.unknowns.len()],
             chains: Chains::default(),
+            may_part: 1,
+            is_border: false,
+            earlier: VecDeque::new(),
+            undecided: None,
+            parts: Vec::new(),
+            creep: None,
             flow,
             stretches,
             form,
@@ -234,7 +268,34 @@ impl<'a> Journey<'a> {
         }
     }
 
-    /// Goes through all stretches; on failure the form stands somewhere on the way.
+    /// Remembers the place.
+    fn remember(&mut self) {
+        if self.may_part < 2 {
+            return;
+        }
+        if self.earlier.len() == REMEMBERED {
+            self.earlier.pop_front();
+        }
+        self.earlier.push_back(Place {
+            form: self.form.clone(),
+            current: self.current,
+            left: self.left,
+            begin: self.begin,
+            before: self.before.clone(),
+            proved: self.proved.mark(),
+        });
+    }
+
+    /// Goes back to a place on the way.
+    pub(super) fn back_to(&mut self, place: Place) {
+        self.form = place.form;
+        (self.current, self.left) = (place.current, place.left);
+        (self.begin, self.before) = (place.begin, place.before);
+        self.proved.back_to(place.proved);
+    }
+
+    /// Goes through all stretches, or to where the form was divided: then the parts are in [`Journey::parts`]. On
+    /// failure the form stands somewhere on the way.
     pub(super) fn run(&mut self) -> Result<(), Diverged> {
         self.meet_form();
         while self.current < self.stretches.len() {
@@ -264,6 +325,9 @@ impl<'a> Journey<'a> {
             } else {
                 Err(Obstacle::Interrupted)
             };
+            if !self.parts.is_empty() {
+                return Ok(());
+            }
             if moved.is_ok() && !self.is_in_domain(known) {
                 // What was passed on the way is proved no more than the rest.
                 self.proved.truncate(known);
@@ -348,8 +412,35 @@ impl<'a> Journey<'a> {
         [states, &self.form.param_box(), inputs].concat()
     }
 
+    /// A journey of the same solutions from here on, as far as they are in `portion`.
+    pub(super) fn fork(&self, portion: Portion) -> Journey<'a> {
+        Journey {
+            is_border: portion.is_border,
+            chains: Chains::default(),
+            form: portion.form,
+            proved: self.proved.fork(),
+            torn: self.torn.clone(),
+            before: self.before.clone(),
+            acting: None,
+            certain: None,
+            workspace: None,
+            meet: None,
+            passed_by: Vec::new(),
+            earlier: VecDeque::new(),
+            undecided: None,
+            parts: Vec::new(),
+            creep: None,
+            ..*self
+        }
+    }
+
     /// One step of whatever kind is possible.
     fn step_on(&mut self) -> Result<(), Obstacle> {
+        if let Some(creep) = self.creep.take()
+            && self.creep_on(creep).is_some()
+        {
+            return Ok(());
+        }
         if self.acting.is_none() {
             let regime = self.regime();
             self.acting = match regime {
@@ -369,9 +460,13 @@ impl<'a> Journey<'a> {
         if self.flow.is_smooth() {
             return self.flow.resolve(None, &[]);
         }
-        let field = self.field();
-        let signs = field.as_ref().map_or(Vec::new(), |field| self.signs(field));
-        self.flow.resolve(field.as_ref(), &signs)
+        let Some(mut field) = self.field() else {
+            return self.flow.resolve(None, &[]);
+        };
+        let signs = self.signs(&field);
+        let form = || self.form.clone();
+        let found = self.resolve_on((&mut field, &signs), &form, self.inputs());
+        found.ok()
     }
 
     /// Surfaces and right-hand sides on a box around the form.
@@ -438,6 +533,13 @@ impl<'a> Journey<'a> {
             return Ok(());
         }
         if self.cross(&mut acting, trouble.watch, unit).is_some() {
+            return Ok(());
+        }
+        if let Some(undecided) = self.undecided.take()
+            && self
+                .part(acting.regime.watches[trouble.watch], &undecided)
+                .is_some()
+        {
             return Ok(());
         }
         acting.blame(trouble.watch, &mut self.torn);
@@ -515,6 +617,7 @@ impl<'a> Journey<'a> {
     ) -> Result<(), Obstacle> {
         let piece = &acting.piece;
         let arrival = piece.arrival(&self.form, &acting.scratch, prepared, end)?;
+        self.remember();
         let outputs = self.outputs_on(&arrival.during, self.inputs());
         self.proved.pass(&outputs, acting.regime.modes);
         self.land(acting, arrival, moved)

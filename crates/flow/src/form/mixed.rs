@@ -93,6 +93,7 @@ impl Journey<'_> {
         let ended = flow.switching.field(&self.quantities(&end, inputs));
         form.signs = ended.map_or(Vec::new(), |field| field.signs());
         form.settle()?;
+        self.earlier.clear();
         self.form = form;
         self.left = if last {
             Interval::ZERO

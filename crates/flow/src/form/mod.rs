@@ -49,7 +49,9 @@
 //! signs of the expressions in guards (`regime.rs`); they are watched along every step (`watching.rs`). Where
 //! one may change, all solutions cross its zero together, each at a time of its own that is a polynomial in
 //! the unknowns (`crossing.rs`): into another mode, into one that holds the surface (stick), out of it, over a kink, or
-//! through a jump of the state. So states stay functions of the unknowns. Where a crossing cannot be proved, because some
+//! through a jump of the state. So states stay functions of the unknowns. Where what comes next depends on the solution, as
+//! where some stick and others turn, the set is divided along what decides (`open.rs`, `parting.rs`), and those that
+//! hesitate stay within bounds of their own (`creeping.rs`). Where a crossing cannot be proved, because some
 //! solutions graze or stay behind, boxes go on for a moment (`mixed.rs`).
 //!
 //! Where a regime is affine in the states its solution has a closed form: one step of any length instead of many
@@ -66,6 +68,7 @@ mod code;
 mod compare;
 mod compose;
 mod convolve;
+mod creeping;
 mod crossing;
 mod error;
 mod flow;
@@ -74,8 +77,10 @@ mod function;
 mod journey;
 mod mixed;
 mod monomials;
+mod open;
 mod output;
 mod outward;
+mod parting;
 mod piece;
 mod proved;
 mod range;

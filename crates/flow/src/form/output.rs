@@ -229,7 +229,7 @@ impl Form {
             for (polynomial, lost) in self.states.iter_mut().zip(&mut lost) {
                 *lost += self.monomials.substitute(polynomial, v, middle, radius);
             }
-            for param in &mut self.params {
+            for param in self.params.iter_mut().chain(&mut self.within) {
                 let off = self
                     .monomials
                     .substitute(&mut param.polynomial, v, middle, radius);
@@ -258,7 +258,7 @@ impl Form {
     }
 
     /// Adds a box to the states.
-    fn widen(&mut self, by: &[Interval]) {
+    pub(super) fn widen(&mut self, by: &[Interval]) {
         let n = self.states.len();
         let identity: Vec<Interval> = (0..n * n)
             .map(|i| Interval::point(if i % (n + 1) == 0 { 1.0 } else { 0.0 }))

@@ -82,7 +82,7 @@ impl Outputs {
 }
 
 /// What is proved of the stretches gone through, and of the one at hand.
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Proved {
     /// One box of states for the end of every stretch gone through, and one for all its times.
     pub(super) ends: Vec<Vec<Interval>>,
@@ -100,10 +100,26 @@ pub(super) struct Proved {
     acting: ModeSet,
 }
 
+/// A place on the way.
+#[derive(Debug, Clone)]
+pub(super) struct Mark {
+    known: usize,
+    during: Vec<Interval>,
+    acting: ModeSet,
+}
+
 impl Proved {
     /// Number of stretches gone through.
     pub(super) fn len(&self) -> usize {
         self.ends.len()
+    }
+
+    /// The same, to be gone on with beside others; no step is counted twice.
+    pub(super) fn fork(&self) -> Proved {
+        Proved {
+            steps: 0,
+            ..self.clone()
+        }
     }
 
     /// Begins a stretch at whose start outputs lie in `outputs`.
@@ -119,6 +135,21 @@ impl Proved {
             *during = during.hull(*more);
         }
         self.acting = self.acting.union(modes);
+    }
+
+    /// Where it stands, to be taken back to.
+    pub(super) fn mark(&self) -> Mark {
+        Mark {
+            known: self.len(),
+            during: self.during.clone(),
+            acting: self.acting,
+        }
+    }
+
+    /// Takes back what was proved since `mark`.
+    pub(super) fn back_to(&mut self, mark: Mark) {
+        self.truncate(mark.known);
+        (self.during, self.acting) = (mark.during, mark.acting);
     }
 
     /// Ends the stretch.

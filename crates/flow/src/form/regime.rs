@@ -144,6 +144,8 @@ pub(super) struct Field {
     pub(super) rates: Vec<Vec<(usize, Interval)>>,
     /// Whether the box knows of no error of these inputs.
     exact: Vec<bool>,
+    /// Surfaces and modes: signs of rates of change that the box does not tell.
+    pub(super) drifts: Vec<(usize, usize, Signs)>,
     /// The box.
     pub(super) quantities: Vec<Interval>,
 }
@@ -260,6 +262,7 @@ impl Switching {
                 .map(|list| list.iter().map(|r| (r.0, take())).collect())
                 .collect(),
             exact: inputs.iter().map(|u| u.is_point()).collect(),
+            drifts: Vec::new(),
             quantities: quantities.to_vec(),
         })
     }
@@ -493,13 +496,75 @@ impl Switching {
     ) -> Option<Signs> {
         let mut found = None;
         for mode in modes {
-            let sign = Signs::strict(self.drift(surface, Some((group, *mode)), field, signs))?;
+            let on_box = Signs::strict(self.drift(surface, Some((group, *mode)), field, signs));
+            let told = |known: &&(usize, usize, Signs)| (known.0, known.1) == (surface, *mode);
+            let sign = on_box.or_else(|| field.drifts.iter().find(told).map(|known| known.2))?;
             if found.is_some_and(|known| known != sign) {
                 return None;
             }
             found = Some(sign);
         }
         found
+    }
+
+    /// Surfaces that may be met or held, each with a mode there: where the box does not tell the sign of the
+    /// rate of change.
+    pub(super) fn open_drifts(&self, field: &Field, signs: &[Signs]) -> Vec<(usize, usize)> {
+        let mut open = Vec::new();
+        for (index, group) in self.groups.iter().enumerate() {
+            for &surface in &group.surfaces {
+                let known = signs[surface];
+                if !known.has(Signs::ZERO) || known == Signs::ANY || !self.is_steady(surface, field)
+                {
+                    continue;
+                }
+                for side in [Signs::NEGATIVE, Signs::ZERO, Signs::POSITIVE] {
+                    for mode in self.possible_with(index, signs, (surface, side)) {
+                        let is_open = self.common(surface, &[mode], index, field, signs).is_none();
+                        if is_open && !open.contains(&(surface, mode)) {
+                            open.push((surface, mode));
+                        }
+                    }
+                }
+            }
+        }
+        open
+    }
+
+    /// The side of a surface on which a mode acts, if it acts on one only.
+    pub(super) fn side_of(&self, surface: usize, mode: usize, signs: &[Signs]) -> Option<Signs> {
+        let group = self
+            .groups
+            .iter()
+            .position(|group| group.modes.contains(&mode))?;
+        let on = |sign: Signs| {
+            let possible = self.possible_with(group, signs, (surface, sign));
+            possible.contains(&mode)
+        };
+        match (on(Signs::NEGATIVE), on(Signs::POSITIVE)) {
+            (true, false) => Some(Signs::NEGATIVE),
+            (false, true) => Some(Signs::POSITIVE),
+            _ => None,
+        }
+    }
+
+    /// The rate of change of a surface in a mode, where that governs all states that the surface depends on.
+    pub(super) fn drift_in(
+        &self,
+        graph: &mut Graph,
+        surface: usize,
+        mode: usize,
+    ) -> Option<ExprId> {
+        let gradient = &self.surfaces.list[surface].gradient;
+        let mut rates = Vec::with_capacity(gradient.len());
+        for &(state, _) in gradient {
+            rates.push((state, self.expression(mode, state)?));
+        }
+        let zero = graph.integer(0);
+        Some(drift(graph, gradient, &|state| {
+            let rate = rates.iter().find(|rate| rate.0 == state);
+            rate.map_or(zero, |rate| rate.1)
+        }))
     }
 
     /// The sign that the rate of change of a surface has in all modes that are possible.

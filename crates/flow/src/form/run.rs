@@ -159,7 +159,10 @@ type Set = (Vec<Interval>, Vec<Interval>);
 struct Passage {
     proved: Proved,
     failure: Option<Diverged>,
-    last: Form,
+    /// The form at the end, or its parts, where outcomes parted,
+    last: Vec<Form>,
+    /// and those in between.
+    borders: Vec<Form>,
     /// How much each unknown decides when surfaces are met that could not be crossed.
     torn: Vec<f64>,
 }
@@ -167,10 +170,53 @@ struct Passage {
 impl Passage {
     /// Smaller is better.
     fn excess(&self) -> f64 {
-        match self.failure {
-            None => self.last.excess(),
-            Some(_) => f64::INFINITY,
+        if self.failure.is_some() {
+            return f64::INFINITY;
         }
+        if let ([form], []) = (&self.last[..], &self.borders[..]) {
+            return form.excess();
+        }
+        let (parts, borders) = (self.around(&self.last), self.around(&self.borders));
+        let of_state = |(state, parts): (usize, &Interval)| {
+            let rests = self.last.iter().map(|form| form.rest(state));
+            let rest = rests.fold(0.0, f64::max);
+            let own = if rest > 0.0 {
+                rest / (rest + parts.rad())
+            } else {
+                0.0
+            };
+            // Borders do not become narrower by division. They matter where they reach beyond the parts, seen
+            // from how wide the set was on its way.
+            let beyond = parts.hull(borders[state]).rad() - parts.rad();
+            let ends = self.proved.ends.iter().map(|end| end[state].rad());
+            let largest = ends.fold(0.0, f64::max);
+            own.max(if beyond > 0.0 { beyond / largest } else { 0.0 })
+        };
+        parts.iter().enumerate().map(of_state).fold(0.0, f64::max)
+    }
+
+    /// A box around some of the forms at the end.
+    fn around(&self, forms: &[Form]) -> Vec<Interval> {
+        let states = self.proved.ends.first().map_or(0, Vec::len);
+        forms
+            .iter()
+            .fold(vec![Interval::EMPTY; states], |all, form| {
+                let hull = form.quick_hull();
+                all.iter().zip(&hull).map(|(a, b)| a.hull(*b)).collect()
+            })
+    }
+
+    fn forms(&self) -> impl Iterator<Item = &Form> {
+        self.last.iter().chain(&self.borders)
+    }
+
+    /// The part in which a state is widest.
+    fn widest(&self, state: usize) -> Option<(f64, &Form)> {
+        let widths = self.forms().map(|form| {
+            let hull = form.quick_hull();
+            (hull[state].width(), form)
+        });
+        widths.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     fn is_interrupted(&self) -> bool {
@@ -251,7 +297,8 @@ impl Flow {
                     })
                 },
             };
-            let mut passage = self.best_passage(&part, &task);
+            let most = (effort.parts).saturating_sub(result.parts.len() + open.len());
+            let mut passage = self.best_passage(&part, &task, most.max(1));
             result.steps += passage.proved.steps;
             let excess = passage.excess();
             if let Some(before) = &before {
@@ -268,10 +315,12 @@ impl Flow {
                 open.extend(halves.map(|half| (half, Some(Rc::clone(&passed)))));
                 continue;
             }
-            for (state, x) in passage.last.quick_hull().iter().enumerate() {
-                if x.width() > widths[state] {
-                    widths[state] = x.width();
-                    result.shares[state] = passage.last.shares(state);
+            for (state, known) in widths.iter_mut().enumerate() {
+                if let Some((width, form)) = passage.widest(state)
+                    && width > *known
+                {
+                    *known = width;
+                    result.shares[state] = form.shares(state);
                 }
             }
             result.parts.push(Part {
@@ -299,7 +348,7 @@ impl Flow {
     }
 
     /// The passage of the lowest degree that is good enough, or the best one.
-    fn best_passage(&self, part: &Set, task: &Task<'_>) -> Passage {
+    fn best_passage(&self, part: &Set, task: &Task<'_>, parts: usize) -> Passage {
         let (options, effort) = (task.options, task.effort);
         let unknowns = self.start(&part.0, &part.1, options).unknowns().len();
         let (first, last) = match options.degree {
@@ -322,7 +371,7 @@ impl Flow {
             } else {
                 f64::INFINITY
             };
-            self.pass(part, task, with(degree), most)
+            self.pass(part, task, with(degree), (most, parts))
         };
         if options.degree.is_none() && LOW < first {
             let quick = pass(LOW);
@@ -357,21 +406,65 @@ impl Flow {
         best
     }
 
-    /// One form through all stretches; it gives up where its excess passes `most`.
-    fn pass(&self, part: &Set, task: &Task<'_>, options: FormOptions, most: f64) -> Passage {
+    /// One form through all stretches, in at most so many `parts` where outcomes part; it gives up where its excess
+    /// passes `most`.
+    fn pass(
+        &self,
+        part: &Set,
+        task: &Task<'_>,
+        options: FormOptions,
+        (most, parts): (f64, usize),
+    ) -> Passage {
         let form = self.start(&part.0, &part.1, options);
         let mut journey = Journey::new(self, form, task.stretches).telling_outputs();
         journey.most = most;
         journey.go_on = task.go_on;
-        let failure = journey.run().err();
-        let mut proved = journey.proved;
-        self.tighten(&mut proved, (&part.0, &part.1), task.stretches);
-        Passage {
-            proved,
-            failure,
-            last: journey.form,
-            torn: journey.torn,
+        let mut passage = Passage {
+            proved: Proved::default(),
+            failure: None,
+            last: Vec::new(),
+            borders: Vec::new(),
+            torn: vec![0.0; journey.torn.len()],
+        };
+        let mut steps = 0;
+        let mut open = vec![journey];
+        while let Some(mut journey) = open.pop() {
+            journey.may_part = parts.saturating_sub(open.len() + passage.forms().count());
+            let failure = journey.run().err();
+            steps += journey.proved.steps;
+            let portions = std::mem::take(&mut journey.parts);
+            if !portions.is_empty() {
+                let forks = portions.into_iter().map(|portion| journey.fork(portion));
+                open.extend(forks);
+                continue;
+            }
+            for (all, own) in passage.torn.iter_mut().zip(&journey.torn) {
+                *all = all.max(*own);
+            }
+            let reached = |failure: &Diverged| failure.reached.lo();
+            let is_first = passage.forms().next().is_none();
+            if let Some(failure) = failure
+                && passage
+                    .failure
+                    .as_ref()
+                    .is_none_or(|known| reached(&failure) < reached(known))
+            {
+                passage.failure = Some(failure);
+            }
+            if is_first {
+                passage.proved = journey.proved;
+            } else {
+                passage.proved.join(&journey.proved);
+            }
+            if journey.is_border {
+                passage.borders.push(journey.form);
+            } else {
+                passage.last.push(journey.form);
+            }
         }
+        passage.proved.steps = steps;
+        self.tighten(&mut passage.proved, (&part.0, &part.1), task.stretches);
+        passage
     }
 }
 
@@ -385,7 +478,10 @@ fn highest_degree(unknowns: usize) -> usize {
 /// The halves of a part along the unknown that most crossings were lost by, or that its form depends on least
 /// linearly.
 fn divide((states, params): &Set, passage: &Passage) -> Option<[Set; 2]> {
-    let form = &passage.last;
+    let curved = |form: &Form| form.curvature().iter().sum::<f64>();
+    let form = passage
+        .forms()
+        .max_by(|a, b| curved(a).total_cmp(&curved(b)))?;
     let weights = if passage.torn.iter().any(|weight| *weight > 0.0) {
         passage.torn.clone()
     } else {

@@ -9,6 +9,7 @@ use std::sync::Arc;
 use super::ahead::around;
 use super::frame::Frame;
 use super::monomials::Monomials;
+use super::outward::{UNIT, raised};
 use super::range::range;
 use super::step::Obstacle;
 use super::surfaces::Signs;
@@ -139,6 +140,8 @@ pub struct Form {
     pub(super) elapsed: Interval,
     /// What is known of the signs of surfaces; nothing where it is empty.
     pub(super) signs: Vec<Signs>,
+    /// What is known to lie in the unit interval, of unknowns that were replaced by others.
+    pub(super) within: Vec<ParamForm>,
 }
 
 /// A quantity: its value in the middle, one slope per unknown, and what is added.
@@ -289,6 +292,7 @@ impl Form {
             step: f64::INFINITY,
             elapsed: Interval::ZERO,
             signs: Vec::new(),
+            within: Vec::new(),
         };
         form.order = form.usual_order();
         form.tube = form.quick_hull();
@@ -347,8 +351,53 @@ impl Form {
         self.states
             .iter()
             .zip(self.frame.hull())
-            .map(|(polynomial, rest)| range(&self.monomials, polynomial) + rest)
+            .map(|(polynomial, rest)| self.range(polynomial) + rest)
             .collect()
+    }
+
+    /// Encloses a polynomial in the unknowns.
+    fn range(&self, polynomial: &[f64]) -> Interval {
+        let all = range(&self.monomials, polynomial);
+        if self.within.is_empty() {
+            return all;
+        }
+        let negated: Vec<f64> = polynomial.iter().map(|x| -x).collect();
+        let hi = self.most(polynomial).min(all.hi());
+        let lo = (-self.most(&negated)).max(all.lo());
+        Interval::new(lo, hi).unwrap_or(all)
+    }
+
+    /// An upper bound of a polynomial in the unknowns, with what is known of them besides.
+    ///
+    /// Proof. Where `|k| <= 1 + r`, `P <= (P - λ k) + |λ| (1 + r)` for any `λ`. Those that are best for the linear
+    /// parts are where some slope of `P - λ k` vanishes.
+    fn most(&self, polynomial: &[f64]) -> f64 {
+        let count = self.unknowns.len();
+        let mut left = polynomial.to_vec();
+        let (mut paid, mut rounding) = (0.0, 0.0);
+        for known in self.within.iter().chain(&self.within) {
+            let k = &known.polynomial;
+            let reach = raised(1.0 + known.radius, 1);
+            let cost = |factor: f64| -> f64 {
+                let slopes = left[1..=count].iter().zip(&k[1..=count]);
+                let slopes: f64 = slopes.map(|(p, k)| (p - factor * k).abs()).sum();
+                slopes - factor * k[0] + factor.abs() * reach
+            };
+            let candidates = left[1..=count].iter().zip(&k[1..=count]);
+            let candidates = candidates.map(|(p, k)| p / k).filter(|x| x.is_finite());
+            let best = candidates.min_by(|a, b| cost(*a).total_cmp(&cost(*b)));
+            let Some(factor) = best.filter(|factor| cost(*factor) < cost(0.0)) else {
+                continue;
+            };
+            for (p, k) in left.iter_mut().zip(k) {
+                rounding += 2.0 * UNIT * (p.abs() + 2.0 * (factor * k).abs());
+                *p -= factor * k;
+            }
+            paid = raised(paid + factor.abs() * reach, 3);
+        }
+        let rounding = raised(rounding, 4 * left.len() * (1 + self.within.len()));
+        let sum = range(&self.monomials, &left) + Interval::point(paid);
+        (sum + Interval::point(rounding)).hi()
     }
 
     /// As [`Form::hull`], faster and wider.
@@ -430,20 +479,30 @@ impl Form {
             return 0.0;
         }
         let mut largest: f64 = 0.0;
-        for (polynomial, rest) in self.states.iter().zip(self.frame.hull()) {
-            let (mut own, mut rest) = (0.0, rest.rad());
-            for (a, x) in polynomial.iter().enumerate().skip(1) {
-                if self.is_fresh(a) {
-                    rest += x.abs();
-                } else {
-                    own += x.abs();
-                }
-            }
-            if rest > 1e-9 * polynomial[0].abs() {
+        for (state, polynomial) in self.states.iter().enumerate() {
+            let terms = polynomial.iter().enumerate().skip(1);
+            let own = terms.filter(|(a, _)| !self.is_fresh(*a));
+            let own: f64 = own.map(|(_, x)| x.abs()).sum();
+            let rest = self.rest(state);
+            if rest > 0.0 {
                 largest = largest.max(rest / (rest + own));
             }
         }
         largest
+    }
+
+    /// How much of a state is no function of the unknowns, as far as that matters.
+    pub(super) fn rest(&self, state: usize) -> f64 {
+        let polynomial = &self.states[state];
+        let terms = polynomial.iter().enumerate().skip(1);
+        let fresh = terms.filter(|(a, _)| self.is_fresh(*a));
+        let fresh: f64 = fresh.map(|(_, x)| x.abs()).sum();
+        let rest = self.frame.hull()[state].rad() + fresh;
+        if rest > 1e-9 * polynomial[0].abs() {
+            rest
+        } else {
+            0.0
+        }
     }
 
     /// How much of the width of a state each unknown decides.

@@ -33,6 +33,9 @@ const BEHIND_WALL: f64 = 1e-10;
 /// Steps in which the length of the longest flow is looked for.
 const FLOW_ROUNDS: usize = 20;
 
+/// Flows that end within this share of the time asked for are not told from none.
+const AT_ONCE: f64 = 1e-15;
+
 /// Pieces of time for which a rate is bounded by the difference quotient of its integral, each shorter
 /// than the one after it by a fifth.
 const PIECES: usize = 32;
@@ -77,6 +80,17 @@ struct Window {
 struct Wall {
     position: usize,
     allowed: Interval,
+    /// The only state it compares, if it grows or falls with that.
+    alone: Option<Alone>,
+}
+
+/// A state that a wall bounds alone: it is where the comparison has the values `border`, or not farther behind than it was
+/// at the start of the flow. So no rounding moves what stands at the wall.
+struct Alone {
+    state: usize,
+    border: Interval,
+    /// The wall is an upper bound of the state.
+    is_above: bool,
 }
 
 /// One box on its way.
@@ -576,8 +590,18 @@ impl<'a> Solver<'a> {
             flow.longest = dt;
             return Ok(flow);
         }
-        // The longest flow: by halves to its size, then by bisection.
         let (mut shorter, mut longer) = (0.0, dt.hi());
+        // What rests on a stop does not flow at all.
+        let least = AT_ONCE * longer;
+        if let Ok(other) = self.whole_flow(x, Interval::point(least))
+            && is_empty(&other.end)
+        {
+            return Ok(Flow {
+                longest: Interval::point(least),
+                ..other
+            });
+        }
+        // The longest flow: by halves to its size, then by bisection.
         for round in 0..FLOW_ROUNDS {
             let middle = if shorter == 0.0 {
                 0.125 * longer
@@ -622,8 +646,8 @@ impl<'a> Solver<'a> {
         }
         let mut tube = first(self.w.tubes());
         for wall in self.walls(x, &tube) {
-            self.keep_before(&wall, &mut end);
-            self.keep_before(&wall, &mut tube);
+            self.keep_before(&wall, x, &mut end);
+            self.keep_before(&wall, x, &mut tube);
         }
         if is_empty(&end) {
             end.fill(Interval::EMPTY);
@@ -690,16 +714,47 @@ impl<'a> Solver<'a> {
                 }
             }
         }
-        let allowed = if below {
-            half(start.lo().min(-depth), f64::INFINITY)
-        } else {
-            half(f64::NEG_INFINITY, start.hi().max(depth))
+        let up_to = |start: f64| {
+            if below {
+                half(start.min(-depth), f64::INFINITY)
+            } else {
+                half(f64::NEG_INFINITY, start.max(depth))
+            }
         };
-        Some(Wall { position, allowed })
+        let q = self.load(tube);
+        let atom = &self.system.jumps.atoms[position];
+        let alone = atom.alone(&q, &mut self.w.registers.jumps.atoms[position]);
+        Some(Wall {
+            position,
+            allowed: up_to(if below { start.lo() } else { start.hi() }),
+            alone: alone.map(|(state, rises)| Alone {
+                state,
+                border: up_to(0.0),
+                is_above: rises != below,
+            }),
+        })
     }
 
-    fn keep_before(&mut self, wall: &Wall, x: &mut [Interval]) {
+    /// Cuts where flows from `start` are.
+    fn keep_before(&mut self, wall: &Wall, start: &[Interval], x: &mut [Interval]) {
         if is_empty(x) {
+            return;
+        }
+        if let Some(alone) = &wall.alone {
+            let state = alone.state;
+            let mut q = self.load(x);
+            let atom = &self.system.jumps.atoms[wall.position];
+            let registers = &mut self.w.registers.jumps.atoms[wall.position];
+            let mut before = start[state];
+            if atom.narrow(&mut q, alone.border, registers) {
+                before = before.hull(q[state].get(0));
+            }
+            let before = if alone.is_above {
+                Interval::new(f64::NEG_INFINITY, before.hi())
+            } else {
+                Interval::new(before.lo(), f64::INFINITY)
+            };
+            x[state] = x[state].intersect(before.unwrap_or(Interval::ENTIRE));
             return;
         }
         let mut q = self.load(x);

@@ -83,6 +83,22 @@ impl Atom {
         sizes.fold(f64::MIN_POSITIVE, f64::max)
     }
 
+    /// The only state it compares, if it grows with it everywhere on a box (`true`), or falls.
+    pub(super) fn alone(
+        &self,
+        q: &[Interval8],
+        registers: &mut [Vec<Interval8>; 2],
+    ) -> Option<(usize, bool)> {
+        let [state] = self.states[..] else {
+            return None;
+        };
+        let [_, slopes] = registers;
+        let regular = self.slopes.eval(q, slopes);
+        let slope: Interval = self.slopes.output(0, slopes).get(0);
+        let is_known = regular.is_defined().get(0) && !slope.is_empty() && !slope.contains(0.0);
+        is_known.then_some((state, slope.lo() > 0.0))
+    }
+
     /// Cuts a box down to what can have a difference in `target`; false when nothing can.
     pub(super) fn narrow(
         &self,
