@@ -34,7 +34,7 @@ const LEAST: usize = 64;
 /// use veribound_flow::engine::Engine;
 ///
 /// let names: Vec<&str> = Engine::ALL.iter().map(|engine| engine.name()).collect();
-/// assert_eq!(names, ["auto", "boxes", "forms", "comparison"]);
+/// assert_eq!(names, ["auto", "boxes", "forms", "comparison", "closed"]);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Engine {
