@@ -75,8 +75,11 @@ pub struct History {
     pub(crate) meta: FigureMeta,
     pub(crate) refuted_at: Option<f64>,
     pub(crate) work: Work,
+    clash: Option<(usize, [(f64, f64); 2])>,
     last: Option<Cell>,
     track: Track,
+    /// Finer cells, for the page.
+    detail: Option<Track>,
     spotlight: Spotlight,
 }
 
@@ -86,12 +89,16 @@ impl History {
         let track = Track::new(meta.columns);
         let spotlight = Spotlight::new(meta.zoom, meta.outputs.len(), meta.columns);
         let work = Work::default();
+        let series = 2 * meta.outputs.len() + meta.states.len() + meta.params.len() + 2;
+        let detail = meta.page.then(|| Track::fine(series, meta.columns));
         Self {
             meta,
             refuted_at: None,
             work,
+            clash: None,
             last: None,
             track,
+            detail,
             spotlight,
         }
     }
@@ -155,6 +162,9 @@ impl History {
             marks: marks.into(),
         };
         self.last = Some(cell.clone());
+        if let Some(detail) = &mut self.detail {
+            detail.push(cell.clone());
+        }
         self.track.push(cell);
         let spent = if row.milliseconds.is_finite() {
             row.milliseconds.max(0.0)
@@ -173,6 +183,12 @@ impl History {
     pub fn refute_at(&mut self, t: f64) {
         self.refuted_at = t.is_finite().then_some(t);
         self.spotlight.end_here();
+    }
+
+    /// Tells what an output contradicts there: `enclosure` is all that the model allows, `measured` all that the
+    /// measurement does. The page shows both.
+    pub fn refute_by(&mut self, output: usize, enclosure: (f64, f64), measured: (f64, f64)) {
+        self.clash = Some((output, [enclosure, measured]));
     }
 
     fn check(&self, row: &SampleRow<'_>) -> Result<(), ReportError> {
@@ -215,6 +231,18 @@ impl History {
         self.track.cells()
     }
 
+    /// The finest cells that are kept.
+    pub(crate) fn detail(&self) -> &[Cell] {
+        self.detail.as_ref().unwrap_or(&self.track).cells()
+    }
+
+    /// What is contradicted of an output.
+    pub(crate) fn clash_of(&self, output: usize) -> Option<[(f64, f64); 2]> {
+        self.clash
+            .filter(|clash| clash.0 == output)
+            .map(|clash| clash.1)
+    }
+
     pub(crate) fn zoom_cells(&self) -> Option<&[Cell]> {
         self.spotlight.cells()
     }
@@ -252,6 +280,11 @@ impl History {
 
     pub(crate) fn milliseconds_series(&self) -> usize {
         self.boxes_series() + 1
+    }
+
+    /// Number of marks of a cell.
+    pub(crate) fn marks(&self) -> usize {
+        self.meta.modes.len() + self.meta.params.len()
     }
 
     /// The marks of mode `i`.

@@ -1,8 +1,10 @@
-//! Figures of a run, as SVG and PNG: outputs with an enlarged stretch, parameters, states, modes
+//! Figures of a run, as SVG and PNG, and its page: outputs with an enlarged stretch, parameters, states, modes
 //! and work over time.
 //!
 //! A [`Tube`] does the same for an enclosure without a record: bounds at all times, and the phase plane. An
 //! [`Identification`] shows what whole records leave of the parameters: bounds from both sides, and pavings.
+//!
+//! A [`Page`] shows a run as one file of HTML with [`Plots`] that can be zoomed, made of the same memory.
 //!
 //! A [`History`] is fed sample by sample and stays small however long the record is; it draws all
 //! [`Figure`]s, and [`png`] turns any of them into pixels. No band is ever drawn narrower than the
@@ -40,6 +42,7 @@ mod history;
 mod identification;
 mod legend;
 mod meta;
+mod page;
 mod panel;
 mod place;
 mod png;
@@ -55,5 +58,6 @@ pub use figure::Figure;
 pub use history::{History, SampleRow};
 pub use identification::{Identification, PavingTile, ProvedParameter, TileStatus};
 pub use meta::{FigureMeta, Parameter, Quantity, Zoom};
+pub use page::{Block, Entry, Page, Plots, Section, Table, Tone, Value};
 pub use png::png;
 pub use tube::{Tube, TubeRow};

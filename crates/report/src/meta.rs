@@ -87,6 +87,9 @@ pub struct FigureMeta {
     /// Most columns kept for each series, 8 to 100 000: memory is proportional to it, whatever the
     /// length of the record.
     pub columns: usize,
+    /// Whether finer columns are kept beside them, for a page that can be zoomed: up to 100 000, less where there
+    /// are many series.
+    pub page: bool,
 }
 
 impl Default for FigureMeta {
@@ -103,6 +106,7 @@ impl Default for FigureMeta {
             zoom: Zoom::Auto,
             sample_time_ms: None,
             columns: 4000,
+            page: false,
         }
     }
 }

@@ -77,6 +77,12 @@ impl Track {
         }
     }
 
+    /// As fine as memory allows: about 50 MB for any number of series, but not coarser than `columns`.
+    pub fn fine(series: usize, columns: usize) -> Self {
+        const BANDS: usize = 2_000_000;
+        Self::new((BANDS / series.max(1)).max(columns))
+    }
+
     pub fn cells(&self) -> &[Cell] {
         &self.cells
     }

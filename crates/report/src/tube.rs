@@ -41,6 +41,8 @@ pub struct Tube {
     pub(crate) history: History,
     /// Bounds since the row before: states, then outputs.
     pub(crate) since: Track,
+    /// The same in finer cells, for the page.
+    since_detail: Option<Track>,
     /// The trajectories, one after the other.
     pub(crate) trajectories: Track,
     pub(crate) count: usize,
@@ -56,10 +58,13 @@ impl Tube {
     /// states by their positions.
     pub fn new(meta: FigureMeta, plane: Option<(usize, usize)>, trajectories: usize) -> Tube {
         let columns = meta.columns;
+        let own = meta.states.len() + meta.outputs.len();
+        let since_detail = meta.page.then(|| Track::fine(own, columns));
         Tube {
             past_use: vec![None; meta.states.len()],
             history: History::new(meta),
             since: Track::new(columns),
+            since_detail,
             trajectories: Track::new(columns),
             count: trajectories,
             plane,
@@ -102,12 +107,16 @@ impl Tube {
         })?;
         if let Some(before) = self.before {
             let bands = row.states_since.iter().chain(row.outputs_since);
-            self.since.push(Cell {
+            let cell = Cell {
                 t0: before,
                 t1: row.t,
                 bands: bands.map(|b| Band::of(*b)).collect(),
                 marks: Box::default(),
-            });
+            };
+            if let Some(detail) = &mut self.since_detail {
+                detail.push(cell.clone());
+            }
+            self.since.push(cell);
         }
         let mut bands = Vec::with_capacity(self.count * own);
         for one in row.trajectories {
@@ -153,6 +162,11 @@ impl Tube {
                 svg,
             })
             .collect()
+    }
+
+    /// The finest cells that are kept of what holds between times.
+    pub(crate) fn since_detail(&self) -> &[Cell] {
+        self.since_detail.as_ref().unwrap_or(&self.since).cells()
     }
 
     /// The time from which on some width is past use: axes show what is before.

@@ -58,6 +58,7 @@ fn a_folder_contains_exact_solutions() {
         "fig/states.png",
         "fig/states.svg",
         "parts.csv",
+        "report.html",
         "run.toml",
         "summary.json",
         "tube.csv",
@@ -136,7 +137,7 @@ fn the_flags_of_observe_mean_the_same() {
     let ran = enclose(
         &place,
         &model,
-        "--until 1 --every 0.5 --figures none --json",
+        "--until 1 --every 0.5 --figures none --report none --json",
     )
     .ended(0);
     assert_eq!(ran.out, place.read("out/summary.json"));

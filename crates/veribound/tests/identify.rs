@@ -115,13 +115,19 @@ fn every_run_leaves_all_its_files() {
         "k   [0, 4] ",
         "at the start of r.csv",
         "at the start of s.csv",
-        "results in out: summary.json, points.csv, run.toml, figures in fig/",
+        "results in out: summary.json, points.csv, run.toml, report.html, figures in fig/",
     ] {
         assert!(ran.out.contains(part), "no {part:?} in:\n{}", ran.out);
     }
     let note = "note: pos may be off by 0.2 m, 0.1 in the model file (--output-error)\n";
     assert!(ran.err.starts_with(note), "{}", ran.err);
-    let files = ["fig/bounds.svg", "points.csv", "run.toml", "summary.json"];
+    let files = [
+        "fig/bounds.svg",
+        "points.csv",
+        "report.html",
+        "run.toml",
+        "summary.json",
+    ];
     assert_eq!(place.files("out"), files);
     let summary: serde_json::Value = serde_json::from_str(&place.read("out/summary.json")).unwrap();
     assert_eq!(summary["samples"], 7);
@@ -139,7 +145,10 @@ fn every_run_leaves_all_its_files() {
     place.observe("m.toml", "r.csv", &[]).ended(0);
     assert!(place.files("out").contains(&"boxes.csv".to_owned()));
     assert!(!place.files("out").contains(&"points.csv".to_owned()));
-    let ran = identify(&place, "-o out --figures none --json --sets 3");
+    let ran = identify(
+        &place,
+        "-o out --figures none --report none --json --sets 3",
+    );
     assert_eq!(ran.out, place.read("out/summary.json"));
     let files = ["points.csv", "run.toml", "summary.json"];
     assert_eq!(place.files("out"), files);

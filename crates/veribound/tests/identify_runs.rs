@@ -21,7 +21,7 @@ type Tile = ((f64, f64), (f64, f64));
 /// Runs `identify m.toml r.csv -o out --figures none` with more words.
 fn identify(place: &Place, more: &str) -> Ran {
     let mut words = vec!["identify", "m.toml", "r.csv", "-o", "out"];
-    words.extend(["--figures", "none"]);
+    words.extend(["--figures", "none", "--report", "none"]);
     words.extend(more.split_whitespace());
     place.run(&words)
 }
@@ -280,6 +280,8 @@ fn ctrl_c_keeps_what_is_proved() {
         "--sets",
         "1000000",
         "--figures",
+        "none",
+        "--report",
         "none",
     ];
     let mut arguments = vec!["identify", &model, &record, "-o", "out"];

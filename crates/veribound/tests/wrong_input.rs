@@ -228,7 +228,7 @@ fn a_disk_that_is_full_leaves_no_half_table() {
     let (model, record) = place.cart(5000);
     let program = env!("CARGO_BIN_EXE_veribound");
     let line = format!(
-        "trap '' XFSZ; ulimit -f 64; exec '{program}' observe {model} {record} -o out --figures none"
+        "trap '' XFSZ; ulimit -f 64; exec '{program}' observe {model} {record} -o out --figures none --report none"
     );
     let output = std::process::Command::new("sh")
         .args(["-c", &line])

@@ -11,9 +11,12 @@ const LONGEST_LINE: u64 = 1 << 20;
 /// How much of a long line a message quotes, in bytes.
 const LONGEST_QUOTE: usize = 400;
 
+/// First bytes of a MAT file up to version 7.
+pub(crate) const MAT: &[u8] = b"MATLAB 5.0 MAT-file";
+
 /// First bytes of files that are often mistaken for text tables, and what they are.
 const FORMATS: [(&[u8], &str); 9] = [
-    (b"MATLAB 5.0 MAT-file", "a MATLAB MAT file"),
+    (MAT, "a MATLAB MAT file"),
     (b"\x89HDF\r\n", "an HDF5 file (or a MATLAB v7.3 MAT file)"),
     (b"PAR1", "a Parquet file"),
     (b"ARROW1", "an Arrow file"),

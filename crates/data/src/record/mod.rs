@@ -1,4 +1,4 @@
-//! Records in: a CSV file becomes samples, one at a time.
+//! Records in: a CSV file, or another table of numbers, becomes samples, one at a time.
 
 mod cell;
 mod conversion;
@@ -7,10 +7,11 @@ mod layout;
 mod messages;
 mod problems;
 mod row;
+pub(crate) mod sheet;
 mod similar;
 mod units;
 
-use crate::digest::Digesting;
+use crate::digest::{Digesting, sha256_of_file};
 use crate::reader::lines::{Lines, quote};
 use crate::reader::source::{Bytes, TableSource};
 use crate::reader::{Line, bad_quotes, fields, is_comment};
@@ -18,6 +19,7 @@ use header::{Column, Header};
 use layout::{Finder, Layout};
 use problems::Problems;
 use row::{Row, Rows};
+use sheet::{Input, Sheet, SheetText};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::sync::Arc;
@@ -64,11 +66,14 @@ pub struct RecordOptions {
 /// another unit than the model's is multiplied by an enclosure of the exact factor first; error
 /// bounds are in the unit of the model.
 ///
+/// A MATLAB MAT file, an HDF5 file or a Parquet file is read as the table of its columns: the header is line 1, the
+/// first sample line 2. A float in it means that float exactly.
+///
 /// An empty field or `NaN` of an output or a signal is a missing value: nothing was recorded there, so
 /// nothing is claimed ([`Record::missing`] counts them). Of an input or of the time it is an error.
 ///
 /// *Cost*: the file is read once here and once for every [`Record::samples`]; memory does not
-/// grow with its length.
+/// grow with its length, except of files that are no text: their columns are held.
 ///
 /// ```
 /// use veribound_data::{Record, RecordOptions, TableSource};
@@ -99,6 +104,8 @@ pub struct Record {
     sha256: String,
     missing: Vec<(String, usize)>,
     hint: Option<String>,
+    /// The columns, of a file that is no text.
+    sheet: Option<Arc<Sheet>>,
 }
 
 impl Record {
@@ -128,8 +135,16 @@ impl Record {
     ) -> Result<Record, Diagnostics> {
         let source = source.into();
         let name: Arc<str> = Arc::from(source.path().display().to_string());
-        let bytes = Digesting::new(source.open(false)?);
-        let mut lines = Lines::new(BufReader::with_capacity(BUFFER, bytes), &name)?;
+        let bytes = source.open(false)?;
+        let sheet = match bytes {
+            Bytes::File(_) => Sheet::read(source.path(), &name)?.map(Arc::new),
+            Bytes::Text(_) => None,
+        };
+        let input = match &sheet {
+            Some(sheet) => Input::Sheet(SheetText::new(sheet)),
+            None => Input::File(BufReader::with_capacity(BUFFER, Digesting::new(bytes))),
+        };
+        let mut lines = Lines::new(input, &name)?;
         let header = read_header(&mut lines, &name)?;
         let mut problems = Problems::default();
         let finder = Finder {
@@ -155,7 +170,11 @@ impl Record {
             return Err(no_samples(&name, &options, seen.whole).into());
         };
         Ok(Record {
-            sha256: lines.into_input().into_inner().finish(),
+            sha256: match lines.into_input() {
+                Input::File(file) => file.into_inner().finish(),
+                Input::Sheet(_) => sha256_of_file(source.path())?,
+            },
+            sheet,
             source,
             missing,
             hint,
@@ -184,22 +203,30 @@ impl Record {
         })
     }
 
-    /// A line as it stands in the file (the first is 1), for messages; empty where it cannot be read again.
-    pub fn line(&self, number: usize) -> String {
-        let Ok(mut lines) = self.lines() else {
-            return String::new();
-        };
+    /// The text of a line, by its number; of a file that is no text as [`Record`] tells. `None` where it cannot be
+    /// read any more.
+    pub fn line(&self, number: usize) -> Option<String> {
+        if let Some(sheet) = &self.sheet {
+            return sheet.line(number);
+        }
+        let mut lines = self.lines().ok()?;
         while let Ok(Some((text, at))) = lines.next_line() {
             if at == number {
-                return text.to_owned();
+                return Some(text.to_owned());
             }
         }
-        String::new()
+        None
     }
 
-    fn lines(&self) -> Result<Lines<BufReader<Bytes>>, Diagnostic> {
-        let bytes = self.source.open(false)?;
-        Lines::new(BufReader::with_capacity(BUFFER, bytes), &self.name)
+    fn lines(&self) -> Result<Lines<Input<Bytes>>, Diagnostic> {
+        let input = match &self.sheet {
+            Some(sheet) => Input::Sheet(SheetText::new(sheet)),
+            None => {
+                let bytes = self.source.open(false)?;
+                Input::File(BufReader::with_capacity(BUFFER, bytes))
+            }
+        };
+        Lines::new(input, &self.name)
     }
 
     /// All samples of the window together.
@@ -293,7 +320,7 @@ impl Record {
 /// ```
 #[derive(Debug)]
 pub struct Samples {
-    lines: Lines<BufReader<Bytes>>,
+    lines: Lines<Input<Bytes>>,
     name: Arc<str>,
     layout: Arc<Layout>,
     options: RecordOptions,

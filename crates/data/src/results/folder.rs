@@ -10,9 +10,10 @@ use veribound_model::diagnostic::Diagnostic;
 /// The file that says that the results are complete: it goes first and comes last.
 const MARK: &str = "summary.json";
 
-/// The tables of a run.
-const TABLES: [&str; 9] = [
+/// The tables and texts of a run.
+const TABLES: [&str; 10] = [
     MARK,
+    "report.html",
     "run.toml",
     "states.csv",
     "params.csv",
@@ -52,6 +53,7 @@ const PAIRS: &str = "paving_";
 #[derive(Debug, Clone)]
 pub struct ResultFolder {
     path: PathBuf,
+    parquet: bool,
 }
 
 impl ResultFolder {
@@ -63,6 +65,7 @@ impl ResultFolder {
     pub fn create(path: impl AsRef<Path>) -> Result<Self, Diagnostic> {
         let folder = ResultFolder {
             path: path.as_ref().to_path_buf(),
+            parquet: false,
         };
         let refuse = |error| failure::unwritable(&folder.path.display().to_string(), &error);
         fs::create_dir_all(&folder.path).map_err(refuse)?;
@@ -78,6 +81,18 @@ impl ResultFolder {
         Ok(folder)
     }
 
+    /// Whether every table is written as a Parquet file, too.
+    #[must_use]
+    pub fn with_parquet(mut self, parquet: bool) -> Self {
+        self.parquet = parquet;
+        self
+    }
+
+    /// Whether tables are written as Parquet files, too.
+    pub fn has_parquet(&self) -> bool {
+        self.parquet
+    }
+
     /// Path of the folder as the user gave it.
     pub fn path(&self) -> &Path {
         &self.path
@@ -85,7 +100,9 @@ impl ResultFolder {
 
     /// Everything that a run with its results in the folder `path` may write or replace.
     pub fn names(path: &Path) -> Vec<PathBuf> {
-        let tables = TABLES.iter().map(|name| path.join(name));
+        let twins = TABLES.iter().filter_map(|name| name.strip_suffix(".csv"));
+        let twins = twins.map(|stem| path.join(format!("{stem}.parquet")));
+        let tables = TABLES.iter().map(|name| path.join(name)).chain(twins);
         let figures = FIGURES.iter().flat_map(|name| {
             ["svg", "png"].map(|ending| path.join("fig").join(format!("{name}.{ending}")))
         });
@@ -138,15 +155,14 @@ impl ResultFolder {
         let has_results = mark.exists() || self.path.join("run.toml").exists();
         remove(&mark)?;
         for name in ResultFolder::names(&self.path) {
-            if has_results && results.iter().all(|file| file.place.path != name) {
+            if has_results && !results.iter().any(|file| file.is(&name)) {
                 remove(&name)?;
             }
         }
         // Empty after the last figure; not empty, and left alone, where the user keeps more in it.
         let _ = fs::remove_dir(self.path.join("fig"));
-        let (marks, others): (Vec<_>, Vec<_>) = results
-            .into_iter()
-            .partition(|file| file.place.path == mark);
+        let (marks, others): (Vec<_>, Vec<_>) =
+            results.into_iter().partition(|file| file.is(&mark));
         others
             .into_iter()
             .chain(marks)
@@ -173,11 +189,12 @@ pub struct ResultFile {
     place: Place,
 }
 
-/// A file that is on the disk whole, still under its temporary name; dropped, it leaves nothing.
+/// A file that is on the disk whole, still under its temporary name, perhaps with another that goes with it;
+/// dropped, it leaves nothing.
 #[derive(Debug)]
 #[must_use = "a file that is not put in place is removed"]
 pub struct CompleteFile {
-    place: Place,
+    places: Vec<Place>,
 }
 
 /// Where a file is and where it shall be.
@@ -198,7 +215,9 @@ impl ResultFile {
         flushed
             .and_then(|()| self.output.get_ref().sync_all())
             .map_err(|error| self.refuse(&error))?;
-        Ok(CompleteFile { place: self.place })
+        Ok(CompleteFile {
+            places: vec![self.place],
+        })
     }
 
     /// The message for an error of writing to this file.
@@ -212,11 +231,23 @@ impl CompleteFile {
     ///
     /// *Errors*: `E0501`; the earlier file is still there then.
     pub fn put_in_place(mut self) -> Result<(), Diagnostic> {
-        if let Some(temporary) = &self.place.temporary {
-            fs::rename(temporary, &self.place.path).map_err(|error| self.place.refuse(&error))?;
-            self.place.temporary = None;
+        for place in &mut self.places {
+            if let Some(temporary) = &place.temporary {
+                fs::rename(temporary, &place.path).map_err(|error| place.refuse(&error))?;
+                place.temporary = None;
+            }
         }
         Ok(())
+    }
+
+    /// Both files as one: they are put in place together.
+    pub(crate) fn with(mut self, other: CompleteFile) -> CompleteFile {
+        self.places.extend(other.places);
+        self
+    }
+
+    fn is(&self, path: &Path) -> bool {
+        self.places.iter().any(|place| place.path == path)
     }
 }
 

@@ -1,9 +1,12 @@
 //! Results out: the files of one run.
 
+pub(crate) mod described;
 pub(crate) mod enclosed;
 pub(crate) mod folder;
 pub(crate) mod identified;
 mod number;
+mod parquet;
+pub(crate) mod printed;
 pub(crate) mod run_info;
 pub(crate) mod start;
 pub(crate) mod summary;

@@ -94,14 +94,20 @@ impl RunInfo {
     ///
     /// *Errors*: `E0501`, `E0502`; `E0503` when an option has no form in TOML.
     pub fn write(&self, folder: &ResultFolder) -> Result<CompleteFile, Diagnostic> {
+        folder.write("run.toml", self.to_toml()?.as_bytes())
+    }
+
+    /// The text of `run.toml`.
+    ///
+    /// *Errors*: `E0503` when an option has no form in TOML.
+    pub fn to_toml(&self) -> Result<String, Diagnostic> {
         let text = toml::to_string(self).map_err(|error| {
             Diagnostic::new(
                 "E0503",
                 format!("the run cannot be written as TOML: {error}"),
             )
         })?;
-        let text = format!("{HEAD}{text}");
-        folder.write("run.toml", text.as_bytes())
+        Ok(format!("{HEAD}{text}"))
     }
 }
 

@@ -189,12 +189,14 @@ impl Summary {
     }
 }
 
-/// The text of a summary.
-pub(super) fn to_json(summary: &impl Serialize) -> Result<String, Diagnostic> {
+/// The text of a document.
+///
+/// *Errors*: `E0503` when it has no form in JSON.
+pub fn to_json(summary: &impl Serialize) -> Result<String, Diagnostic> {
     let mut text = serde_json::to_string_pretty(summary).map_err(|error| {
         Diagnostic::new(
             "E0503",
-            format!("the summary cannot be written as JSON: {error}"),
+            format!("the document cannot be written as JSON: {error}"),
         )
     })?;
     text.push('\n');

@@ -1,6 +1,7 @@
 //! CSV tables of a run, one row per sample, written as the run goes on.
 
 use super::folder::{CompleteFile, ResultFile, ResultFolder};
+use super::parquet::ParquetTable;
 use crate::outward;
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -53,7 +54,9 @@ pub enum Cell<'a> {
     Text(&'a str),
 }
 
-/// Writes one CSV table; it is complete when [`TableWriter::finish`] is called.
+/// Writes one CSV table; it is complete when [`TableWriter::finish`] is called. Where the folder asks for it, the same
+/// table is written as a Parquet file: its bounds are the proved floats themselves, time stamps the floats next to
+/// them, and a text or number is of the type that it is.
 ///
 /// *Guarantee*: a printed lower (upper) bound is not above (below) the bound it stands for.
 ///
@@ -79,6 +82,7 @@ pub enum Cell<'a> {
 #[derive(Debug)]
 pub struct TableWriter {
     file: ResultFile,
+    twin: Option<ParquetTable>,
     columns: Vec<Column>,
     /// By column: the prior and its ends as they were spelled.
     priors: Vec<Option<(Interval, (String, String))>>,
@@ -216,6 +220,9 @@ impl TableWriter {
     ) -> Result<Self, Diagnostic> {
         let mut table = TableWriter {
             file: folder.file(name)?,
+            twin: { folder.has_parquet() }
+                .then(|| ParquetTable::create(folder, name, (&columns, !first.is_empty())))
+                .transpose()?,
             priors: columns.iter().map(Column::spelled_prior).collect(),
             columns,
             line: first,
@@ -242,7 +249,7 @@ impl TableWriter {
         self.line.clear();
         // Writing to a String cannot fail.
         let _ = write!(self.line, "{time},");
-        self.push_cells(cells)
+        self.push_cells(Some(time), cells)
     }
 
     /// Writes one row of a table without times: one cell for every column.
@@ -250,10 +257,10 @@ impl TableWriter {
     /// *Errors*: `E0501`, `E0502`; `E0503` when the cells do not fit the columns.
     pub fn timeless_row(&mut self, cells: &[Cell<'_>]) -> Result<(), Diagnostic> {
         self.line.clear();
-        self.push_cells(cells)
+        self.push_cells(None, cells)
     }
 
-    fn push_cells(&mut self, cells: &[Cell<'_>]) -> Result<(), Diagnostic> {
+    fn push_cells(&mut self, time: Option<&Decimal>, cells: &[Cell<'_>]) -> Result<(), Diagnostic> {
         let fits = |(column, cell): (&Column, &Cell<'_>)| {
             column.has_bounds() == matches!(cell, Cell::Bounds(_) | Cell::Exact(_))
         };
@@ -266,6 +273,9 @@ impl TableWriter {
                     self.columns.len()
                 ),
             ));
+        }
+        if let Some(twin) = &mut self.twin {
+            twin.row(time, cells)?;
         }
         for (cell, prior) in cells.iter().zip(&self.priors) {
             let is_exact = matches!(cell, Cell::Exact(_));
@@ -308,7 +318,11 @@ impl TableWriter {
     ///
     /// *Errors*: `E0501`, `E0502`; nothing of the table is left then.
     pub fn finish(self) -> Result<CompleteFile, Diagnostic> {
-        self.file.finish()
+        let file = self.file.finish()?;
+        match self.twin {
+            Some(twin) => Ok(file.with(twin.finish()?)),
+            None => Ok(file),
+        }
     }
 
     /// Writes the fields at hand, each with a comma behind it.

@@ -24,9 +24,29 @@ use veribound_model::diagnostic::Diagnostic;
     arg_required_else_help = true
 )]
 pub struct Arguments {
+    /// Colours: on a terminal, if the environment does not say NO_COLOR; always; or never
+    #[arg(
+        long,
+        value_enum,
+        value_name = "WHEN",
+        default_value = "auto",
+        global = true
+    )]
+    pub color: Color,
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+}
+
+/// When there are colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Color {
+    /// On a terminal
+    Auto,
+    /// Also in a file
+    Always,
+    /// Never
+    Never,
 }
 
 /// What to do.
@@ -57,6 +77,15 @@ pub enum Command {
                             time, 130 interrupted (what is proved is written)."
     )]
     Enclose(Box<Enclose>),
+    /// Make a folder with an example that runs: model, record, and how to go on
+    New(New),
+    /// Look at the program and the machine: arithmetic, processor, threads
+    #[command(after_help = "Exit codes: 0 all is well, 2 something is wrong.")]
+    Doctor(Doctor),
+    /// Print what completes commands in a shell
+    Completions(Completions),
+    /// Print the manual page, or write the pages of all commands into a folder
+    Man(Man),
     /// Tell what an error code means, why it matters and how to repair it; without a code, list all
     Explain(Explain),
 }
@@ -67,6 +96,52 @@ pub struct Check {
     /// Model file (TOML)
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Flags of `veribound new`.
+#[derive(Debug, Args)]
+pub struct New {
+    /// Name of the folder; it is made
+    #[arg(value_name = "NAME")]
+    pub name: PathBuf,
+    /// What is in it
+    #[arg(
+        long,
+        value_name = "EXAMPLE",
+        value_enum,
+        default_value = "drive-train"
+    )]
+    pub example: super::starter::Example,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Flags of `veribound doctor`.
+#[derive(Debug, Args)]
+pub struct Doctor {
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Arguments of `veribound completions`.
+#[derive(Debug, Args)]
+pub struct Completions {
+    /// The shell
+    #[arg(value_name = "SHELL", value_enum)]
+    pub shell: clap_complete::Shell,
+}
+
+/// Flags of `veribound man`.
+#[derive(Debug, Args)]
+pub struct Man {
+    /// Folder for the pages of all commands; it is made where it does not exist
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
 }
 
 /// Flags of `veribound observe`.
@@ -78,8 +153,8 @@ pub struct Observe {
     /// Model file (TOML)
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
-    /// Record (CSV with a header); an output or signal that is empty or NaN is a missing value, counted
-    /// in the results and otherwise passed over
+    /// Record (CSV with a header, MATLAB MAT, HDF5 or Parquet); an output or signal that is empty or NaN is a
+    /// missing value, counted in the results and otherwise passed over
     #[arg(value_name = "RECORD")]
     pub record: PathBuf,
     /// Folder for the results; it is made where it does not exist, and results of an earlier run in it
@@ -243,6 +318,18 @@ pub struct Shown {
         help_heading = "Output"
     )]
     pub figures: Vec<Format>,
+    /// The page with all of it, report.html: tables, and plots that can be zoomed
+    #[arg(
+        long,
+        value_enum,
+        value_name = "FORMAT",
+        default_value = "html",
+        help_heading = "Output"
+    )]
+    pub report: PageFormat,
+    /// Write every table as a Parquet file, too
+    #[arg(long, help_heading = "Output")]
+    pub parquet: bool,
     /// Print summary.json to stdout instead of the table
     #[arg(long, help_heading = "Output")]
     pub json: bool,
@@ -252,6 +339,20 @@ pub struct Shown {
 }
 
 impl Shown {
+    /// What the files beside the tables are called in a list of results.
+    pub fn pictures(&self) -> String {
+        let page = match self.report {
+            PageFormat::Html => ", report.html",
+            PageFormat::None => "",
+        };
+        let figures = if self.figures.contains(&Format::None) {
+            ""
+        } else {
+            ", figures in fig/"
+        };
+        format!("{page}{figures}")
+    }
+
     /// Refuses figures and no figures.
     ///
     /// *Errors*: `E0612`.
@@ -307,6 +408,9 @@ pub struct Simulate {
     /// Record to write (CSV); it appears when all of it is proved
     #[arg(short, long, value_name = "RECORD")]
     pub output: PathBuf,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Flags of `veribound enclose`.
@@ -366,6 +470,9 @@ pub struct Explain {
     /// Codes as in `error[E0213]`: E0213, or 213
     #[arg(value_name = "CODE")]
     pub codes: Vec<String>,
+    /// Print one JSON document
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Formats of figures.
@@ -376,6 +483,15 @@ pub enum Format {
     /// Pixels
     Png,
     /// No figures
+    None,
+}
+
+/// Formats of the page.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum PageFormat {
+    /// One file that a browser shows, also without a network
+    Html,
+    /// No page
     None,
 }
 

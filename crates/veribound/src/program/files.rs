@@ -3,13 +3,13 @@
 use super::arguments::Format;
 use std::ops::Range;
 use veribound_data::{Cell, Column, CompleteFile, ResultFolder, RunInfo, TableWriter};
-use veribound_estimate::{Cell as Box, Estimate};
+use veribound_estimate::{Cell as Box, Contradiction, Estimate, Refutation};
 use veribound_flow::ModeSet;
 use veribound_interval::{Decimal, Interval};
 use veribound_model::diagnostic::Diagnostic;
 use veribound_model::{Model, Sample};
 use veribound_report::{
-    Figure, FigureMeta, History, Parameter, Quantity, ReportError, SampleRow, Zoom,
+    Figure, FigureMeta, History, Page, Parameter, Plots, Quantity, ReportError, SampleRow, Zoom,
 };
 
 /// The tables and figures of a run. Nothing of them is seen under its name before
@@ -87,8 +87,19 @@ impl<'m> Files<'m> {
     }
 
     /// Marks the sample that refutes the model in all figures.
-    pub fn refuted_at(&mut self, time: &Decimal) {
-        self.history.refute_at(time.to_interval().mid());
+    pub fn refuted_at(&mut self, refutation: &Refutation) {
+        self.history.refute_at(refutation.time.to_interval().mid());
+        if let Contradiction::Output {
+            output,
+            enclosure,
+            measured,
+            ..
+        } = &refutation.contradiction
+        {
+            let pair = |x: &Interval| (x.lo(), x.hi());
+            self.history
+                .refute_by(*output, pair(enclosure), pair(measured));
+        }
     }
 
     /// Writes what is left to write, and gives all files their names together.
@@ -99,10 +110,15 @@ impl<'m> Files<'m> {
         (time, boxes): (&Decimal, &[Box]),
         run_info: &RunInfo,
         summary: &str,
-        (formats, overlay): (&[Format], Option<&History>),
+        ((formats, overlay), page): ((&[Format], Option<&History>), Option<Page>),
     ) -> Result<(), Diagnostic> {
         let mut files = vec![self.boxes(time, boxes)?, run_info.write(&self.folder)?];
         files.extend(self.figures(formats, overlay)?);
+        if let Some(mut page) = page {
+            page.plots =
+                Plots::of_history(&self.history).with_boxes(&self.axes(), self.flat(boxes));
+            files.push(self.folder.write("report.html", page.render().as_bytes())?);
+        }
         files.push(self.folder.write("summary.json", summary.as_bytes())?);
         files.push(self.states.finish()?);
         files.push(self.params.finish()?);
@@ -120,6 +136,28 @@ impl<'m> Files<'m> {
             table.row(time, &row)?;
         }
         table.finish()
+    }
+
+    /// What boxes are ranges of: parameters, then states.
+    fn axes(&self) -> Vec<Parameter> {
+        let meta = self.history.meta();
+        let states = meta.states.iter().map(|state| Parameter {
+            quantity: state.clone(),
+            prior: (f64::NEG_INFINITY, f64::INFINITY),
+            nominal: None,
+        });
+        meta.params.iter().cloned().chain(states).collect()
+    }
+
+    /// The ranges of boxes, in the same order.
+    fn flat(&self, boxes: &[Box]) -> Vec<Vec<(f64, f64)>> {
+        let states = self.model.states.len();
+        let one = |cell: &Box| {
+            let (states, params) = cell.z.split_at_checked(states)?;
+            let all = params.iter().chain(states);
+            Some(all.map(|x| (x.lo(), x.hi())).collect())
+        };
+        boxes.iter().filter_map(one).collect()
     }
 
     fn figures(

@@ -1,8 +1,10 @@
 //! What the program says: results to stdout, talk to stderr.
 
+use super::arguments::Color;
+use serde::Serialize;
 use std::io::{self, IsTerminal, Write};
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use veribound_model::diagnostic::{Diagnostic, Diagnostics, SourceText};
 
 /// Writes a result to stdout. A reader that has gone away (`veribound check x | head`) is no error.
@@ -15,6 +17,34 @@ pub fn say(text: &str) {
     let _ = out.flush();
 }
 
+/// Writes a JSON document to stdout.
+///
+/// *Errors*: `E0503` when it has no form in JSON.
+pub fn say_json(document: &impl Serialize) -> Result<(), Diagnostic> {
+    say(&veribound_data::to_json(document)?);
+    Ok(())
+}
+
+/// What was typed of colours; the same for the whole process.
+static COLOR: OnceLock<Color> = OnceLock::new();
+
+/// Takes what was typed of colours, once, at the start.
+pub fn choose_color(color: Color) {
+    let _ = COLOR.set(color);
+}
+
+/// Whether problems are shown in colour. The variable counts when it is not empty (no-color.org).
+fn has_color() -> bool {
+    match COLOR.get() {
+        Some(Color::Always) => true,
+        Some(Color::Never) => false,
+        _ => {
+            let refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+            io::stderr().is_terminal() && !refused
+        }
+    }
+}
+
 /// Writes a remark to stderr.
 pub fn remark(text: &str) {
     let _ = writeln!(io::stderr().lock(), "{text}");
@@ -22,8 +52,7 @@ pub fn remark(text: &str) {
 
 /// Writes problems to stderr, in colour on a terminal, and where more is told about them.
 pub fn complain(problems: &Diagnostics) {
-    let color = io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    let text = format!("{}\n{}", problems.render(color), more_about(problems));
+    let text = format!("{}\n{}", problems.render(has_color()), more_about(problems));
     let _ = io::stderr().lock().write_all(text.as_bytes());
 }
 

@@ -6,6 +6,7 @@
 pub mod arguments;
 pub mod assumptions;
 pub mod check;
+mod doctor;
 pub mod enclose;
 pub mod ending;
 mod engine;
@@ -14,18 +15,21 @@ pub mod files;
 mod flags;
 pub mod identify;
 mod interrupt;
+mod manual;
 pub mod message;
 mod noise;
 pub mod numbers;
 pub mod observe;
 mod overlay;
 mod overwriting;
+mod page;
 pub mod profile;
 pub mod progress;
 pub mod reading;
 mod run_info;
 mod same_units;
 pub mod simulate;
+mod starter;
 pub mod table;
 pub mod verdict;
 
@@ -39,9 +43,14 @@ use veribound_model::diagnostic::{Diagnostic, Diagnostics};
 /// Runs the program; the exit code is the verdict.
 pub fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    message::choose_color(arguments.color);
     let done = match &arguments.command {
         // Computes nothing, and tells also what to do where the arithmetic is refused.
         Command::Explain(explain) => explain::run(explain),
+        Command::Doctor(doctor) => doctor::run(doctor),
+        Command::Completions(completions) => manual::completions(completions),
+        Command::Man(man) => manual::pages(man),
+        Command::New(new) => starter::run(new),
         Command::Check(check) => arithmetic().and_then(|()| check::run(check)),
         Command::Observe(observe) => arithmetic().and_then(|()| observe::run(observe)),
         Command::Identify(identify) => arithmetic().and_then(|()| identify::run(identify)),

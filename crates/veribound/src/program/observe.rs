@@ -1,19 +1,19 @@
 //! `veribound observe`: from a model file and a record to proved bounds.
 
-use super::arguments::{Format, Observe, Showing};
+use super::arguments::{Observe, Showing};
 use super::ending::Ending;
 use super::files::{Files, figure_meta};
 use super::flags::ZoomFlag;
 use super::interrupt::Interrupt;
 use super::{
-    Outcome, assumptions, message, overlay, overwriting, progress, reading, run_info, table,
+    Outcome, assumptions, message, overlay, overwriting, page, progress, reading, run_info, table,
     verdict,
 };
 use std::path::Path;
 use std::time::Instant;
 use veribound_data::{
-    FileInfo, ParameterSummary, Record, ResultFolder, Start, StateSummary, Summary, TableSource,
-    Work,
+    FileInfo, ParameterSummary, Printed, Record, ResultFolder, Start, StateSummary, Summary,
+    TableSource, Work,
 };
 use veribound_estimate::{Estimate, Observer, Refutation, Undecided, Verdict};
 use veribound_interval::{Decimal, Interval};
@@ -105,8 +105,10 @@ pub fn run(arguments: &Observe) -> Outcome {
     if arguments.showing.output.json {
         message::say(&json);
     } else if !quiet {
-        let figures = !arguments.showing.output.figures.contains(&Format::None);
-        let place = (arguments.output.as_path(), figures);
+        let place = (
+            arguments.output.as_path(),
+            arguments.showing.output.pictures(),
+        );
         message::say(&table::of(&model, &record, &found, place));
     }
     Ok(found.ending)
@@ -157,7 +159,8 @@ impl Prepared {
         } = self;
         let mut written = None;
         if wants_files {
-            let meta = figure_meta(&model, zoom(arguments), sample_time_ms(&record));
+            let mut meta = figure_meta(&model, zoom(arguments), sample_time_ms(&record));
+            meta.page = page::is_wanted(&arguments.showing.output);
             let other = arguments.showing.overlay.as_deref();
             let other = other
                 .map(|folder| overlay::read(folder, &model, &meta))
@@ -165,7 +168,8 @@ impl Prepared {
             let (other, overlay) = other.unzip();
             let earlier = run_info::Earlier { start, overlay };
             let info = run_info::of(arguments, (&model, &record), earlier, &said);
-            let folder = ResultFolder::create(&arguments.output)?;
+            let folder = ResultFolder::create(&arguments.output)?
+                .with_parquet(arguments.showing.output.parquet);
             written = Some((Files::create(&model, folder, meta)?, other, info));
         }
         let mut take = |sample: &Sample, estimate: &Estimate, seconds: f64| {
@@ -181,14 +185,27 @@ impl Prepared {
         } else {
             observer.cells().to_vec()
         };
-        let json = summary(&model, &record, &found, said).to_json()?;
+        let json = summary(&model, &record, &found, said.clone()).to_json()?;
         if let Some((mut files, other, info)) = written {
             if let Some(refutation) = &found.refutation {
-                files.refuted_at(&refutation.time);
+                files.refuted_at(refutation);
             }
+            let page = if page::is_wanted(&arguments.showing.output) {
+                let material = page::Material {
+                    model: &model,
+                    info: &info,
+                    printed: &Printed::of(&json)?,
+                    assumed: &said,
+                };
+                let boxes = arguments.method.boxes;
+                Some(page::observation(&material, &record, &found, boxes)?)
+            } else {
+                None
+            };
             let end = found.last.as_ref().map_or(record.first(), |(time, _)| time);
             let formats = arguments.showing.output.figures.as_slice();
-            files.finish((end, &cells), &info, &json, (formats, other.as_ref()))?;
+            let drawn = (formats, other.as_ref());
+            files.finish((end, &cells), &info, &json, (drawn, page))?;
         }
         Ok(Done {
             model,

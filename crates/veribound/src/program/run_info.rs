@@ -61,6 +61,8 @@ pub fn of_enclosure(
     put("seed", Value::String(arguments.seed.to_string()));
     put("plane", Value::String(arguments.plane.to_string()));
     put("figures", formats(&arguments.showing.figures));
+    put("report", named(arguments.showing.report));
+    put("parquet", Value::Boolean(arguments.showing.parquet));
     RunInfo {
         program: program(&arguments.words),
         platform: Platform::current(),
@@ -94,6 +96,8 @@ pub fn of_identification(
         put("threads", Value::Integer(threads as i64));
     }
     put("figures", formats(&arguments.showing.figures));
+    put("report", named(arguments.showing.report));
+    put("parquet", Value::Boolean(arguments.showing.parquet));
     RunInfo {
         program: program(&arguments.words),
         platform: Platform::current(),
@@ -201,6 +205,8 @@ fn options(arguments: &Observe, assumptions: &[String]) -> Table {
     );
     put("parameter_rule", named(method.parameter_rule));
     put("figures", formats(&showing.output.figures));
+    put("report", named(showing.output.report));
+    put("parquet", Value::Boolean(showing.output.parquet));
     put("zoom", Value::String(showing.zoom.to_string()));
     for (name, folder) in [
         ("start_from", &given.start_from),

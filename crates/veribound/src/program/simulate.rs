@@ -4,11 +4,12 @@ use super::arguments::{MOST_DECIMALS, Simulate};
 use super::ending::Ending;
 use super::flags::{Assignment, ErrorFlag};
 use super::interrupt::Interrupt;
-use super::message::{flag_problem, list, remark};
+use super::message::{flag_problem, list, remark, say_json};
 use super::noise::{Noise, Written};
 use super::profile::{Profile, Stretch};
 use super::{Outcome, numbers, overwriting, progress};
 use crate::{Simulation, Stopped};
+use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
@@ -20,6 +21,14 @@ use veribound_model::{ErrorBound, ExprId, Model, Output, Var};
 /// The enclosure and the rounding to decimals may take this share of an error bound; more, and the
 /// record would be made of the method's width instead of the asked errors.
 const LARGEST_SLACK: f64 = 0.1;
+
+/// What a simulation tells as JSON.
+#[derive(Serialize)]
+struct Simulated {
+    record: String,
+    samples: usize,
+    seed: u64,
+}
 
 /// A parameter that takes a new value.
 struct Change {
@@ -56,10 +65,18 @@ pub fn run(arguments: &Simulate) -> Outcome {
         return Ok(Ending::Interrupted);
     };
     file.finish()?.put_in_place()?;
-    remark(&format!(
-        "  {samples} samples in {}",
-        arguments.output.display()
-    ));
+    if arguments.json {
+        say_json(&Simulated {
+            record: arguments.output.display().to_string(),
+            samples,
+            seed: arguments.seed,
+        })?;
+    } else {
+        remark(&format!(
+            "  {samples} samples in {}",
+            arguments.output.display()
+        ));
+    }
     Ok(Ending::Done)
 }
 

@@ -66,14 +66,13 @@ pub fn of(
     model: &Model,
     record: &Record,
     found: &Findings,
-    (folder, figures): (&Path, bool),
+    (folder, pictures): (&Path, String),
 ) -> String {
     let mut out = bounds(model, record, found);
     // Writing to a String cannot fail.
-    let figures = if figures { ", figures in fig/" } else { "" };
     let _ = writeln!(
         out,
-        "  results in {}: summary.json, params.csv, states.csv, boxes.csv, run.toml{figures}",
+        "  results in {}: summary.json, params.csv, states.csv, boxes.csv, run.toml{pictures}",
         folder.display()
     );
     out

@@ -261,7 +261,7 @@ fn why(model: &Model, undecided: &Undecided) -> String {
 /// Shows the line of the record; without it where it cannot be read again.
 pub fn at_line(problem: Diagnostic, record: &Record, number: usize, label: String) -> Diagnostic {
     let name = record.path().display().to_string();
-    let line = record.line(number);
+    let line = record.line(number).unwrap_or_default();
     let end = line.len();
     problem.at(
         &Arc::new(SourceText::excerpt(name, line, number)),

@@ -51,9 +51,10 @@ impl Place {
         Ran::of(self.command(arguments).output().unwrap())
     }
 
-    /// Runs `observe MODEL RECORD -o out` with more flags; no figures, to be quick.
+    /// Runs `observe MODEL RECORD -o out` with more flags; no figures and no page, to be quick.
     pub fn observe(&self, model: &str, record: &str, more: &[&str]) -> Ran {
-        let mut arguments = vec!["observe", model, record, "-o", "out", "--figures", "none"];
+        let mut arguments = vec!["observe", model, record, "-o", "out"];
+        arguments.extend(["--figures", "none", "--report", "none"]);
         arguments.extend(more);
         self.run(&arguments)
     }

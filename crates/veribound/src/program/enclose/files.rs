@@ -10,7 +10,7 @@ use veribound_flow::ModeSet;
 use veribound_interval::{Decimal, Interval};
 use veribound_model::diagnostic::Diagnostic;
 use veribound_model::{Model, Node, Var};
-use veribound_report::{FigureMeta, ReportError, Tube, TubeRow, Zoom};
+use veribound_report::{FigureMeta, Page, Plots, ReportError, Tube, TubeRow, Zoom};
 
 /// So many trajectories are drawn.
 const MOST_DRAWN: usize = 24;
@@ -143,12 +143,16 @@ pub fn write(
     (folder, formats, plane): (&ResultFolder, &[Format], Plane),
     model: &Model,
     (times, found): (&[Decimal], &Findings),
-    (info, json): (&RunInfo, &str),
+    (info, json, page): (&RunInfo, &str, Option<Page>),
 ) -> Result<(), Diagnostic> {
     let start = found.start();
     let drawn = found.drawn.get(..MOST_DRAWN).unwrap_or(&found.drawn);
     let mut table = TableWriter::create(folder, "tube.csv", Column::of_tube(model))?;
-    let mut tube = Tube::new(meta(model), plane, drawn.len());
+    let meta = FigureMeta {
+        page: page.is_some(),
+        ..meta(model)
+    };
+    let mut tube = Tube::new(meta, plane, drawn.len());
     for (number, time) in times.iter().enumerate() {
         let row = found.row(&start, number);
         let modes = mode_names(model, row.modes);
@@ -191,6 +195,10 @@ pub fn write(
         info.write(folder)?,
     ];
     files.extend(write_figures(folder, formats, || tube.render_all())?);
+    if let Some(mut page) = page {
+        page.plots = Plots::of_tube(&tube);
+        files.push(folder.write("report.html", page.render().as_bytes())?);
+    }
     files.push(folder.write("summary.json", json.as_bytes())?);
     folder.publish(files)
 }

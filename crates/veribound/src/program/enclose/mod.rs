@@ -2,20 +2,22 @@
 
 mod diagnosis;
 pub mod files;
+mod page;
 pub mod told;
 mod trajectories;
 
-use super::arguments::{Enclose, Format};
+use super::arguments::Enclose;
 use super::ending::Ending;
 use super::interrupt::Interrupt;
 use super::message::{remark, say};
+use super::page::{Material, is_wanted};
 use super::profile::{Profile, Stretch};
 use super::{Outcome, engine, overwriting, progress, run_info};
 use diagnosis::{Cause, PastUse};
 use std::cell::Cell;
 use std::time::Instant;
 use trajectories::Drawn;
-use veribound_data::{EnclosureSummary, RecordInfo, ResultFolder, TableSource};
+use veribound_data::{EnclosureSummary, Printed, RecordInfo, ResultFolder, TableSource};
 use veribound_flow::engine::{Engines, Task};
 use veribound_flow::form::{self, Effort, Enclosure, FormOptions, Standing};
 use veribound_interval::{Decimal, Interval};
@@ -110,8 +112,7 @@ pub fn run(arguments: &Enclose) -> Outcome {
     if arguments.showing.json {
         say(&summary.to_json()?);
     } else if !arguments.showing.quiet {
-        let figures = !arguments.showing.figures.contains(&Format::None);
-        let place = (arguments.output.as_path(), figures);
+        let place = (arguments.output.as_path(), arguments.showing.pictures());
         say(&told::table(&model, &times, (&found, &summary), place));
     }
     Ok(found.ending)
@@ -177,17 +178,30 @@ impl Prepared {
         } = self;
         let folder = wants_files.then(|| ResultFolder::create(&arguments.output));
         let folder = folder.transpose()?;
+        let folder = folder.map(|folder| folder.with_parquet(arguments.showing.parquet));
         let found = enclose(arguments, &model, &course, go_on)?;
         let mut times = course.times;
         times.truncate(found.rows);
         let summary = told::summary(&model, &times, &found, said.clone());
         if let Some(folder) = folder {
             let info = run_info::of_enclosure(arguments, &model, course.profile, &said);
+            let json = summary.to_json()?;
+            let page = if is_wanted(&arguments.showing) {
+                let material = Material {
+                    model: &model,
+                    info: &info,
+                    printed: &Printed::of(&json)?,
+                    assumed: &said,
+                };
+                Some(page::page(&material, &times, &found)?)
+            } else {
+                None
+            };
             files::write(
                 (&folder, &arguments.showing.figures, plane),
                 &model,
                 (&times, &found),
-                (&info, &summary.to_json()?),
+                (&info, &json, page),
             )?;
         }
         Ok(Done {

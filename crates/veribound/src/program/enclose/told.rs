@@ -76,7 +76,7 @@ pub fn summary(
 }
 
 /// What stood in the way, in one sentence.
-fn reason(model: &Model, found: &Findings) -> Option<String> {
+pub fn reason(model: &Model, found: &Findings) -> Option<String> {
     let stopped = found.enclosure.stopped.as_ref()?;
     let cause = found.obstacle.as_ref()?;
     let state = model
@@ -135,6 +135,12 @@ pub fn remarks(model: &Model, times: &[Decimal], found: &Findings) -> Vec<String
         }
         _ => {}
     }
+    said.extend(past_use(model, found).map(|told| format!("warning: {told}")));
+    said
+}
+
+/// Which widths grew past use, and what to try.
+pub fn past_use(model: &Model, found: &Findings) -> Option<String> {
     let mut earliest: Vec<_> = found.past_use.iter().collect();
     let name = |state: usize| {
         let state = model.states.get(state);
@@ -148,9 +154,7 @@ pub fn remarks(model: &Model, times: &[Decimal], found: &Findings) -> Vec<String
     };
     earliest.sort_by(|a, b| a.since.cmp(&b.since));
     earliest.sort_by_key(|past| follows(&past.cause));
-    let Some(first) = earliest.first() else {
-        return said;
-    };
+    let first = earliest.first()?;
     let others: Vec<&str> = earliest
         .iter()
         .skip(1)
@@ -161,14 +165,13 @@ pub fn remarks(model: &Model, times: &[Decimal], found: &Findings) -> Vec<String
     } else {
         format!("; then those of {}", list(others))
     };
-    said.push(format!(
-        "warning: the width of `{}` grew past use from t = {} s on{}{others}. Try {}.",
+    Some(format!(
+        "the width of `{}` grew past use from t = {} s on{}{others}. Try {}.",
         name(first.cause.state),
         first.since,
         term(model, &first.cause),
         first.cause.remedy
-    ));
-    said
+    ))
 }
 
 /// Verdict, work, and one line per state and output.
@@ -244,14 +247,13 @@ pub fn table(
     model: &Model,
     times: &[Decimal],
     both: (&Findings, &EnclosureSummary),
-    (folder, figures): (&Path, bool),
+    (folder, pictures): (&Path, String),
 ) -> String {
     let mut out = bounds(model, times, both);
     // Writing to a String cannot fail.
-    let figures = if figures { ", figures in fig/" } else { "" };
     let _ = writeln!(
         out,
-        "  results in {}: summary.json, tube.csv, parts.csv, run.toml{figures}",
+        "  results in {}: summary.json, tube.csv, parts.csv, run.toml{pictures}",
         folder.display()
     );
     out

@@ -8,6 +8,7 @@ use super::arguments::Explain;
 use super::ending::Ending;
 use super::message::flag_problem;
 use super::{Outcome, message};
+use serde::Serialize;
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
 
 const PAGE: &str = include_str!("codes.md");
@@ -16,22 +17,60 @@ const PAGE: &str = include_str!("codes.md");
 pub fn run(arguments: &Explain) -> Outcome {
     let sections = sections(PAGE);
     if arguments.codes.is_empty() {
-        message::say(&list(&sections));
+        if arguments.json {
+            let all: Vec<&Section<'_>> = sections.iter().collect();
+            message::say_json(&Explained::of(&all))?;
+        } else {
+            message::say(&list(&sections));
+        }
         return Ok(Ending::Done);
     }
-    let mut texts = Vec::new();
+    let mut found = Vec::new();
     let mut problems = Vec::new();
     for typed in &arguments.codes {
         match number(typed).and_then(|wanted| find(&sections, wanted)) {
-            Some(section) => texts.push(section.in_full()),
+            Some(section) => found.push(section),
             None => problems.push(unknown(&sections, typed)),
         }
     }
     if !problems.is_empty() {
         return Err(Diagnostics(problems));
     }
-    message::say(&texts.join("\n\n"));
+    if arguments.json {
+        message::say_json(&Explained::of(&found))?;
+    } else {
+        let texts: Vec<String> = found.iter().map(|section| section.in_full()).collect();
+        message::say(&texts.join("\n\n"));
+    }
     Ok(Ending::Done)
+}
+
+/// What is told as JSON.
+#[derive(Serialize)]
+struct Explained {
+    codes: Vec<Code>,
+}
+
+#[derive(Serialize)]
+struct Code {
+    code: String,
+    title: String,
+    group: String,
+    text: String,
+}
+
+impl Explained {
+    fn of(sections: &[&Section<'_>]) -> Explained {
+        let codes = sections.iter().map(|section| Code {
+            code: section.code.to_owned(),
+            title: section.title.to_owned(),
+            group: section.group.to_owned(),
+            text: section.in_full(),
+        });
+        Explained {
+            codes: codes.collect(),
+        }
+    }
 }
 
 /// What the page says about one code.

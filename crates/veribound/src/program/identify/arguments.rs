@@ -16,8 +16,8 @@ pub struct Identify {
     /// Model file (TOML)
     #[arg(value_name = "MODEL")]
     pub model: PathBuf,
-    /// Records (CSV with a header) of one machine: they share the parameters, and each has start states of
-    /// its own
+    /// Records (CSV with a header, MATLAB MAT, HDF5 or Parquet) of one machine: they share the parameters, and
+    /// each has start states of its own
     #[arg(value_name = "RECORD", required = true)]
     pub records: Vec<PathBuf>,
     /// Folder for the results; it is made where it does not exist, and results of an earlier run in it

@@ -2,19 +2,21 @@
 
 pub mod arguments;
 pub mod files;
+mod page;
 pub mod told;
 pub mod verdict;
 
-use super::arguments::{Format, Reading};
+use super::arguments::Reading;
 use super::ending::Ending;
 use super::interrupt::Interrupt;
 use super::message::say;
 use super::numbers::show_times;
+use super::page::{Material, is_wanted};
 use super::{Outcome, assumptions, overwriting, progress, reading, run_info};
 use arguments::Identify;
 use indicatif::ProgressBar;
 use std::time::Instant;
-use veribound_data::{Record, ResultFolder, TableSource};
+use veribound_data::{Printed, Record, ResultFolder, TableSource};
 use veribound_estimate::identify::{
     Bounds, Conclusion, Identified, IdentifyOptions, Progress, identify,
 };
@@ -96,8 +98,7 @@ pub fn run(arguments: &Identify) -> Outcome {
     if arguments.showing.json {
         say(&json);
     } else if !quiet {
-        let figures = !arguments.showing.figures.contains(&Format::None);
-        let place = (arguments.output.as_path(), figures);
+        let place = (arguments.output.as_path(), arguments.showing.pictures());
         say(&told::table(&model, &data, &found, place));
     }
     Ok(found.ending)
@@ -127,14 +128,26 @@ impl Prepared {
         let Prepared { model, data, said } = self;
         let folder = wants_files.then(|| ResultFolder::create(&arguments.output));
         let folder = folder.transpose()?;
+        let folder = folder.map(|folder| folder.with_parquet(arguments.showing.parquet));
         let found = find(&model, &data, &arguments.options(), go_on);
         let json = told::summary(&model, &data, &found, said.clone()).to_json()?;
         if let Some(folder) = folder {
             let info = run_info::of_identification(arguments, (&model, &data.records), &said);
+            let page = if is_wanted(&arguments.showing) {
+                let material = Material {
+                    model: &model,
+                    info: &info,
+                    printed: &Printed::of(&json)?,
+                    assumed: &said,
+                };
+                Some(page::page(&material, &data, &found)?)
+            } else {
+                None
+            };
             files::write(
                 (&folder, &arguments.showing.figures),
                 (&model, &data, &found),
-                (&info, &json),
+                (&info, &json, page),
             )?;
         }
         Ok(Done {

@@ -2,6 +2,7 @@
 
 use super::super::numbers::{counted, show_inside, show_prior, show_reached, show_times};
 use super::super::table::{Part, push_parts};
+use super::page::limit_in_words;
 use super::verdict::{in_words, refuted_by};
 use super::{Data, Findings};
 use std::fmt::Write as _;
@@ -177,7 +178,7 @@ pub fn table(
     model: &Model,
     data: &Data,
     found: &Findings,
-    (folder, figures): (&Path, bool),
+    (folder, pictures): (&Path, String),
 ) -> String {
     let mut out = bounds(model, data, found);
     let paving = if found.identified.tiles.is_empty() {
@@ -185,10 +186,9 @@ pub fn table(
     } else {
         "paving.csv, "
     };
-    let figures = if figures { ", figures in fig/" } else { "" };
     let _ = writeln!(
         out,
-        "  results in {}: summary.json, points.csv, {paving}run.toml{figures}",
+        "  results in {}: summary.json, points.csv, {paving}run.toml{pictures}",
         folder.display()
     );
     out
@@ -214,11 +214,7 @@ fn push_bounds(out: &mut String, model: &Model, data: &Data, found: &Findings) {
             .identified
             .limits
             .get(at)
-            .map_or("", |limit| match limit {
-                Limit::Record => "the record",
-                Limit::Budget => "the number of sets",
-                Limit::Enclosure => "how far solutions are enclosed",
-            });
+            .map_or("", |limit| limit_in_words(*limit));
         rows.push(row(&param.name, param.bounds, both, &param.unit, limit));
     }
     let starts = (0..data.records.len()).map(|record| {
@@ -348,7 +344,12 @@ pub(super) mod tests {
     }
 
     fn shown(data: &Data, found: &Findings, place: &Path) -> String {
-        let text = table(&model(), data, found, (Path::new("out"), true));
+        let text = table(
+            &model(),
+            data,
+            found,
+            (Path::new("out"), ", figures in fig/".to_owned()),
+        );
         text.replace(&format!("{}/", place.display()), "")
     }
 
