@@ -84,15 +84,6 @@ pub fn explain(model: &Model, data: &Data, found: &Findings, at_length: bool) {
     }
 }
 
-/// What stood in the way of bounds, or of the proof that there are any.
-pub fn problem(model: &Model, data: &Data, found: &Findings) -> Option<Diagnostic> {
-    match &found.identified.conclusion {
-        Conclusion::Inconsistent(refuted) => Some(inconsistent(model, data, refuted)),
-        Conclusion::Undecided if found.ending == Ending::Undecided => Some(undecided(found)),
-        _ => None,
-    }
-}
-
 /// The message of a proved contradiction.
 fn inconsistent(model: &Model, data: &Data, refuted: &Refuted) -> Diagnostic {
     let problem = Diagnostic::new("E0301", format!("{NOTHING_EXPLAINS} (proved)"));
