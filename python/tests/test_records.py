@@ -29,7 +29,8 @@ def test_clocks_and_durations_are_exact_seconds(sled):
     clock = pd.DatetimeIndex([begin + pd.Timedelta(milliseconds=10 * k) for k in range(201)])
     for index in (clock, clock.tz_localize("UTC").tz_convert("Europe/Berlin"), clock - begin):
         frame = pd.DataFrame({"F": record["F"], "pos": record["pos"]}, index=index)
-        assert same(sled.observe(frame), plain), index.dtype
+        result = sled.observe(frame)
+        assert same(result, plain) and list(result.times) == record["t"], index.dtype
     frame = pl.DataFrame(
         {"time": [datetime.timedelta(milliseconds=10 * k) for k in range(201)], "F": record["F"], "pos": record["pos"]}
     )

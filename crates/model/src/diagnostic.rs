@@ -50,7 +50,7 @@ impl SourceText {
 /// use veribound_model::{Diagnostic, Diagnostics, SourceText};
 ///
 /// let source = Arc::new(SourceText::new("valve.txt", "open = 120\n"));
-/// let problem = Diagnostic::new("E0000", "a valve cannot be open by more than 100 %")
+/// let problem = Diagnostic::new("E0608", "a valve cannot be open by more than 100 %")
 ///     .at(&source, 7..10, "this much")
 ///     .help("write a share of at most 100");
 /// let told = Diagnostics::from(problem).render(false);

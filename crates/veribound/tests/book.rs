@@ -1,4 +1,10 @@
 //! The book (`docs/`) says what the program does: its console frames are run, its pages all exist and are all reached.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test may panic"
+)]
 
 use std::collections::BTreeSet;
 use std::fs;

@@ -23,7 +23,7 @@ pub mod observe;
 mod overlay;
 mod overwriting;
 mod page;
-pub mod profile;
+mod profile;
 pub mod progress;
 pub mod reading;
 mod run_info;

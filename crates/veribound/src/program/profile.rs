@@ -41,13 +41,8 @@ struct Point {
 }
 
 impl Profile {
-    /// Opens the profile that the flags name.
-    pub fn open(times: &Times, model: &Model) -> Result<Profile, Diagnostics> {
-        Profile::of(times, times.input.as_ref().map(TableSource::from), model)
-    }
-
-    /// The same with inputs from anywhere.
-    pub fn of(
+    /// Opens the profile of these times, with inputs from a file or from memory.
+    pub fn open(
         times: &Times,
         inputs: Option<TableSource>,
         model: &Model,

@@ -105,7 +105,7 @@ impl<'m> Prepared<'m> {
             start: start(model, &arguments.start)?,
             disturbances: disturbances(model, &arguments.disturbance)?,
             notes: outside_the_prior(model, &params, &changes),
-            profile: Profile::of(&arguments.times, inputs, model)?,
+            profile: Profile::open(&arguments.times, inputs, model)?,
             model,
             params,
             changes,

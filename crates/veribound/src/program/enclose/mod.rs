@@ -142,7 +142,7 @@ impl Prepared {
         inputs: Option<TableSource>,
     ) -> Result<Prepared, Diagnostics> {
         let plane = files::plane(&model, &arguments.plane)?;
-        let course = course(Profile::of(&arguments.times, inputs, &model)?, &model)?;
+        let course = course(Profile::open(&arguments.times, inputs, &model)?, &model)?;
         let mut said = Vec::new();
         if let Coverage::Unproved(place) = &model.coverage {
             said.push(format!(
