@@ -202,21 +202,36 @@ impl Block {
                 Block::Facts(facts) => {
                     dl { @for (name, entry) in facts { dt { (name) } dd { (entry.markup()) } } }
                 }
-                Block::Table(table) => {
-                    div.wide { table {
-                        thead { tr { @for title in &table.head { th scope="col" { (title) } } } }
-                        tbody { @for row in &table.rows { tr {
-                            @for (at, entry) in row.iter().enumerate() {
-                                @if at == 0 { th scope="row" { (entry.markup()) } } @else { td { (entry.markup()) } }
-                            }
-                        } } }
-                    } }
+                Block::Table(table) if table.rows.len() > MANY => {
+                    details { summary { (table.rows.len()) " rows" } (table.markup()) }
                 }
-                Block::Listing { title: Some(title), text } => {
+                Block::Table(table) => { (table.markup()) }
+                Block::Listing {
+                    title: Some(title),
+                    text,
+                } => {
                     details { summary { (title) } pre { (text) } }
                 }
                 Block::Listing { title: None, text } => { pre { (text) } }
             }
+        }
+    }
+}
+
+/// Tables with more rows are folded.
+const MANY: usize = 24;
+
+impl Table {
+    fn markup(&self) -> Markup {
+        html! {
+            div.wide { table {
+                thead { tr { @for title in &self.head { th scope="col" { (title) } } } }
+                tbody { @for row in &self.rows { tr {
+                    @for (at, entry) in row.iter().enumerate() {
+                        @if at == 0 { th scope="row" { (entry.markup()) } } @else { td { (entry.markup()) } }
+                    }
+                } } }
+            } }
         }
     }
 }
@@ -326,7 +341,7 @@ mod tests {
         assert_eq!(
             text.matches("&lt;/script&gt;&lt;script&gt;alert(1)")
                 .count(),
-            12
+            13
         );
     }
 }

@@ -254,7 +254,8 @@
       const c = colors(), width = widthOf(div), margin = framed(width);
       const longest = Math.max(...modes.names.map((name) => name.length));
       margin.l = Math.min(width * 0.4, Math.max(margin.l, 14 + 7 * longest));
-      const layout = base(c, width, modes.names.length * 26 + margin.t + margin.b, margin);
+      const row = modes.names.length > 24 ? 13 : 26;
+      const layout = base(c, width, modes.names.length * row + margin.t + margin.b, margin);
       layout.hovermode = false;
       const seen = { ...view, buckets: Math.max(50, Math.round(width - margin.l - margin.r)) };
       const step = (view.to - view.from) / seen.buckets;
@@ -275,14 +276,14 @@
       ]);
       layout.xaxis = { ...timeAxis(c, "y"), showspikes: false };
       layout.yaxis = { range: [modes.names.length - 0.5, -0.5], fixedrange: true, showgrid: false, zeroline: false,
-        tickvals: modes.names.map((_, at) => at), ticktext: modes.names.map(plain), linecolor: c.soft, showline: true };
+        tickvals: modes.names.map((_, at) => at), ticktext: modes.names.map(plain), tickfont: { size: row > 20 ? 12 : 9 }, linecolor: c.soft, showline: true };
       refutedLine(c, layout);
       return Plotly.react(div, traces, layout, config);
     }
 
     // [4/5] Boxes in two dimensions.
     function plane(shape, div, pair, frame) {
-      const c = colors(), width = widthOf(div), margin = { ...framed(width), t: 14, b: 50 };
+      const c = colors(), width = widthOf(div), margin = { ...framed(width), l: 70, t: 14, b: 50 };
       const height = Math.round(Math.min(460, Math.max(280, width * 0.62)));
       const layout = base(c, width, height, margin);
       const [i, j] = pair;
