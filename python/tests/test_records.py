@@ -68,6 +68,13 @@ def test_units_in_column_names_are_converted(sled):
     assert all(any(unit in said for said in result.assumptions) for unit in ("mm", "kN"))
 
 
+def test_floats_of_a_binary_file_are_exact(sled, tmp_path):
+    frame = pl.DataFrame(push())
+    frame.write_parquet(tmp_path / "push.parquet")
+    by_path, exact = sled.observe(tmp_path / "push.parquet"), sled.observe(frame, exact=True)
+    assert by_path.states.to_numpy().tolist() == exact.states.drop("t").to_numpy().tolist()
+
+
 def test_columns_with_other_names(sled):
     record = push()
     renamed = {"zeit": record["t"], "Kraft, N": record["F"], 'so "x"': record["pos"], "extra": record["pos"]}

@@ -76,6 +76,8 @@ def observe(
     longest_step: Optional[float] = None,
     output: Any = None,
     figures: Any = None,
+    report: Optional[str] = None,
+    parquet: bool = False,
     zoom: Optional[str] = None,
     overlay: Any = None,
     exact: bool = False,
@@ -90,7 +92,7 @@ def observe(
     Parameters
     ----------
     model : a `Model`, a `ModelBuilder`, or the path of a model file.
-    record : path of a CSV file; pandas or polars frame; or dictionary of columns, each of shape ``(m,)``.
+    record : path of a CSV, MAT, HDF5 or Parquet file; pandas or polars frame; or dictionary of columns, each of shape ``(m,)``.
         It has a time column (``t`` or ``time``, in seconds; a frame may be indexed by it, or by a clock) and one for
         every input, output and signal of the model, in the model's units or with their own in brackets, as
         ``"phi [deg]"``. NaN is a missing value.
@@ -102,7 +104,8 @@ def observe(
     boxes, bisections, every, epsilon, velocity_horizon, windows, trisect, parameter_rule, merge_across_modes,
     order, halvings, longest_step : how the observer works; no option changes what is proved. They are those of the
         program, ``veribound observe --help``.
-    output : folder for the files that the program writes; `figures`, `zoom` and `overlay` are about these.
+    output : folder for the files that the program writes, with the page `report.html`; `figures`, `report`, `parquet`,
+        `zoom` and `overlay` are about these.
     exact : a float of a frame stands for the number that it holds, digit for digit. By default it stands for its
         shortest decimal, so that a frame and the CSV file it was read from give the same bounds to the bit.
     frames : ``"pandas"``, ``"polars"`` or ``"numpy"``: what the result's tables are; by default as the record.
@@ -137,6 +140,8 @@ def observe(
         "halvings": halvings,
         "longest_step": longest_step,
         "figures": figures,
+        "report": report,
+        "parquet": parquet,
         "zoom": zoom,
         "overlay": overlay,
     }
@@ -163,6 +168,8 @@ def identify(
     threads: Optional[int] = None,
     output: Any = None,
     figures: Any = None,
+    report: Optional[str] = None,
+    parquet: bool = False,
     exact: bool = False,
     frames: Optional[str] = None,
     progress: Any = None,
@@ -203,6 +210,8 @@ def identify(
         "sets": sets,
         "threads": threads,
         "figures": figures,
+        "report": report,
+        "parquet": parquet,
     }
     folder, wants_files = _output(output)
     names = [_words.place(source.name) for source in sources]
@@ -224,6 +233,8 @@ def enclose(
     plane: Any = None,
     output: Any = None,
     figures: Any = None,
+    report: Optional[str] = None,
+    parquet: bool = False,
     exact: bool = False,
     frames: Optional[str] = None,
     progress: Any = None,
@@ -254,6 +265,8 @@ def enclose(
         "seed": seed,
         "plane": plane,
         "figures": figures,
+        "report": report,
+        "parquet": parquet,
     }
     folder, wants_files = _output(output)
     words = ["enclose", _name(model), *folder, *_words.words(options)]

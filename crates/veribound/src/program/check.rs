@@ -10,11 +10,11 @@ use veribound_model::Model;
 /// Reads the model and describes it.
 pub fn run(arguments: &Check) -> Outcome {
     let model = Model::from_file(&arguments.model)?;
-    let text = told(&model);
     if arguments.json {
+        let text = told(&model);
         message::say(&ModelSummary::new(&model, plan(&model), text).to_json()?);
     } else {
-        message::say(&text);
+        message::say(&told(&model));
     }
     Ok(Ending::Done)
 }
