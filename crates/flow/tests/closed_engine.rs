@@ -247,10 +247,16 @@ fn random_affine_systems() {
         let exact = linear.conjugated(|block| block.exponential(t));
         let size: f64 = 1.0 + found.tubes[1].iter().map(|x| x.mag()).fold(0.0, f64::max);
         let slack = 1e-9 * size;
+        // Rounding is doubled with every doubling of time, and eigenvectors are not independent.
+        let fastest = linear.blocks.iter().map(|block| block.entries()[0].abs());
+        let rounding = 1e-11 * size * t * fastest.max().unwrap() as f64;
         for i in 0..n {
             let width: f64 = (0..n).map(|l| exact[i * n + l].abs() * 2.0 * radius).sum();
             let own = found.ends[0][i].width();
-            assert!(own <= width * (1.0 + 1e-6) + slack, "{what}: {own} {width}");
+            assert!(
+                own <= width * (1.0 + 1e-6) + slack + rounding,
+                "{what}: {own} {width}"
+            );
         }
         for _ in 0..5 {
             let x: Vec<f64> = start.iter().map(|x| rng.inside(*x)).collect();

@@ -13,7 +13,8 @@
 //! doubling it. On the way it finds the same for half the time, a quarter and so on, and bounds for all times up to each.
 //! `leap.rs` goes through the stretch in as few windows of these lengths as prove that all that is watched keeps
 //! its sign, and that bounds during the stretch are not much wider than what is reached; then the form moves to the end at
-//! once. Where a sign may change it moves to a time shortly before, and a crossing with its own time for each solution
+//! once. Only what inputs of any course add is taken from window to window where that is narrower: as part of the frame
+//! (`frame.rs`) it is turned by the windows that follow. Where a sign may change it moves to a time shortly before, and a crossing with its own time for each solution
 //! (`crossing.rs`) follows: stops, break-away and kinks are met as exactly as by any other step.
 //!
 //! The cost is that of some products of matrices, once for every regime, length and value of the inputs in `A`, and of
