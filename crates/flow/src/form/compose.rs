@@ -4,13 +4,17 @@
     reason = "PROOF: blocks own `monomials * stride` numbers; orders stay below the stride"
 )]
 
-use super::convolve::convolve;
+use super::convolve::{LANES, convolve_rows};
 use super::function::Functions;
 use super::monomials::Monomials;
 use super::outward::{UNIT, raised};
 use super::size::Size;
-use veribound_interval::Interval;
+use veribound_interval::lanes::{Arithmetic, Kernel, Value};
+use veribound_interval::{Interval, Interval8};
 use veribound_model::Unary;
+
+/// So many terms are enough on short steps; more are computed where they are not.
+const FEW: usize = 12;
 
 /// `sup |z - g(a)|` for the polynomial `z` (orders up to `top`) that shall be `g(a)`; `None` where `g` is
 /// not smooth on the range of `a`.
@@ -25,57 +29,107 @@ pub(super) fn defect(
     (inner, inner_size): (&[f64], &Size),
     (own, top): (&[f64], usize),
 ) -> Option<f64> {
-    let (stride, count) = (weights.len(), monomials.len());
+    let count = monomials.len();
     let (centre, deviation) = (inner_size.centre, inner_size.deviation);
     let range = Interval::point(centre).inflate(deviation);
     // Higher powers of `d` have no term that is kept.
     let most = top + monomials.degree + 1;
-    let wide = functions.expand(function, range, most)?;
-    let thin = functions.expand(function, Interval::point(centre), most)?;
-    let enough = 0.25 * UNIT * (wide.first()?.mag() + 1e-30);
-    let (mut terms, mut power, mut remainder) = (0, 1.0, f64::INFINITY);
-    for (m, g) in wide.iter().enumerate() {
-        remainder = raised(power * g.mag(), 1);
-        terms = m;
+    let (mut terms, mut remainder) = (0, f64::INFINITY);
+    for orders in [FEW.min(most), most] {
+        let wide = functions.expand(function, range, orders)?;
+        let enough = 0.25 * UNIT * (wide.first()?.mag() + 1e-30);
+        let mut power = 1.0;
+        for (m, g) in wide.iter().enumerate() {
+            remainder = raised(power * g.mag(), 1);
+            terms = m;
+            if remainder <= enough {
+                break;
+            }
+            power = raised(power * deviation, 1);
+        }
         if remainder <= enough {
             break;
         }
-        power = raised(power * deviation, 1);
     }
+    let thin = functions.expand(function, Interval::point(centre), terms)?;
     let mut moving = inner.to_vec();
     moving[0] = 0.0;
-    let mut moving_size = Size::new(monomials, stride);
-    moving_size.measure(monomials, &moving, weights, inner_size.top);
-    let mut acc = vec![0.0; count * stride];
-    let mut next = vec![0.0; count * stride];
-    let mut acc_size = Size::new(monomials, stride);
-    let mut radius = 0.0;
-    for g in thin[..terms].iter().rev() {
-        acc_size.measure(monomials, &acc, weights, top);
-        let lost = moving_size.product(&acc_size, monomials, top);
-        for c in 0..count {
-            for j in 0..=top {
-                let mut sum = 0.0;
-                for &(x, y) in monomials.factors(c) {
-                    let (x, y) = (x as usize * stride, y as usize * stride);
-                    sum += convolve(&moving[x..=x + j], &acc[y..=y + j]);
-                }
-                next[c * stride + j] = sum;
-            }
-        }
-        std::mem::swap(&mut acc, &mut next);
-        acc[0] += g.mid();
-        let rounding = UNIT * acc[0].abs();
-        radius = raised(radius * deviation + lost + rounding + g.rad(), 4);
-    }
-    let mut sum = 0.0;
-    for c in 0..count {
-        for j in 0..=top {
-            sum += (own[c * stride + j] - acc[c * stride + j]).abs() * weights[j];
-        }
-    }
+    let horner = Horner {
+        monomials,
+        weights,
+        inner: (&moving, inner_size.top, deviation),
+        outer: &thin[..terms],
+        top,
+        own,
+    };
+    let (sum, radius) = Interval8::run(horner);
     let apart = raised(sum, count * (top + 1) + 2);
     Some(raised(apart + radius + remainder, 2))
+}
+
+/// The sum of `outer[m] d^m`; a kernel only to be compiled for the instruction set of the processor.
+struct Horner<'a> {
+    monomials: &'a Monomials,
+    weights: &'a [f64],
+    /// The polynomial `d`, its highest order, and a bound of it.
+    inner: (&'a [f64], usize, f64),
+    outer: &'a [Interval],
+    /// Highest order that is kept.
+    top: usize,
+    /// What the sum shall be.
+    own: &'a [f64],
+}
+
+impl Kernel<Interval8> for Horner<'_> {
+    /// How far the sum computed is from `own`, and how far it can be from the true one.
+    type Output = (f64, f64);
+
+    #[inline(always)]
+    fn run<A: Arithmetic<Value = Interval8>>(self) -> (f64, f64) {
+        let Horner {
+            monomials,
+            weights,
+            inner: (moving, inner_top, deviation),
+            outer,
+            top,
+            own,
+        } = self;
+        let (stride, count) = (weights.len(), monomials.len());
+        let mut moving_size = Size::new(monomials, stride);
+        moving_size.measure(monomials, moving, weights, inner_top);
+        let mut acc_size = Size::new(monomials, stride);
+        let mut acc = vec![0.0; count * stride];
+        // The same with the orders of every monomial backwards, and zeros behind.
+        let mut backwards = vec![0.0; count * (stride + LANES)];
+        let mut row = vec![0.0; count];
+        let mut radius = 0.0;
+        for g in outer.iter().rev() {
+            acc_size.measure(monomials, &acc, weights, top);
+            let lost = moving_size.product(&acc_size, monomials, top);
+            for (c, orders) in acc.chunks_exact(stride).enumerate() {
+                let place = &mut backwards[c * (stride + LANES)..][..stride];
+                for (slot, x) in place.iter_mut().rev().zip(orders) {
+                    *slot = *x;
+                }
+            }
+            for j in 0..=top {
+                convolve_rows(monomials, moving, &backwards, (stride, j), &mut row);
+                for (slot, x) in acc[j..].iter_mut().step_by(stride).zip(&row) {
+                    *slot = *x;
+                }
+            }
+            acc[0] += g.mid();
+            let rounding = UNIT * acc[0].abs();
+            radius = raised(radius * deviation + lost + rounding + g.rad(), 4);
+        }
+        let mut sum = 0.0;
+        for (own, acc) in own.chunks_exact(stride).zip(acc.chunks_exact(stride)) {
+            for ((x, y), weight) in own.iter().zip(acc).zip(weights).take(top + 1) {
+                sum += (x - y).abs() * weight;
+            }
+        }
+        (sum, radius)
+    }
 }
 
 #[cfg(test)]

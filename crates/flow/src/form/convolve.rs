@@ -49,32 +49,41 @@ fn convolve_vectors<const V: usize>(
     (width, apart, back): (usize, usize, usize),
     row: &mut [f64],
 ) {
-    let add = |sums: &mut [f64; LANES], (x, y): (u32, u32)| {
-        let left = a[x as usize * width..].first_chunk::<V>();
-        let right = b[y as usize * apart + back..].as_chunks::<LANES>().0;
-        if let (Some(left), Some(right)) = (left, right.first_chunk::<V>()) {
-            for (l, r) in left.iter().zip(right) {
-                for lane in 0..LANES {
-                    sums[lane] += l[lane] * r[lane];
-                }
-            }
-        }
-    };
+    let (factors, place) = ((a, b), (width, apart, back));
     for (c, slot) in row.iter_mut().enumerate() {
         // Two sums at a time, since one addition has to wait for the other.
         let (mut sums, mut twins) = ([0.0; LANES], [0.0; LANES]);
         let (pairs, last) = monomials.factors(c).as_chunks::<2>();
         for [first, second] in pairs {
-            add(&mut sums, *first);
-            add(&mut twins, *second);
+            add_pair::<V>(&mut sums, factors, place, *first);
+            add_pair::<V>(&mut twins, factors, place, *second);
         }
         for pair in last {
-            add(&mut sums, *pair);
+            add_pair::<V>(&mut sums, factors, place, *pair);
         }
         for lane in 0..LANES {
             sums[lane] += twins[lane];
         }
         *slot = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+    }
+}
+
+/// Adds the products of one pair of monomials; no closure, which would be compiled without the instruction set.
+#[inline(always)]
+fn add_pair<const V: usize>(
+    sums: &mut [f64; LANES],
+    (a, b): (&[[f64; LANES]], &[f64]),
+    (width, apart, back): (usize, usize, usize),
+    (x, y): (u32, u32),
+) {
+    let left = a[x as usize * width..].first_chunk::<V>();
+    let right = b[y as usize * apart + back..].as_chunks::<LANES>().0;
+    if let (Some(left), Some(right)) = (left, right.first_chunk::<V>()) {
+        for (l, r) in left.iter().zip(right) {
+            for lane in 0..LANES {
+                sums[lane] += l[lane] * r[lane];
+            }
+        }
     }
 }
 
