@@ -203,6 +203,28 @@ fn an_hdf5_file_is_a_record() {
     check(&open(&hdf5_record(place.path()), &[("pos", "y(1)")]));
 }
 
+/// MATLAB v7.3: HDF5 behind a head of its own, with dimensions in reverse.
+#[test]
+fn a_mat_file_of_version_7_3_is_a_record() {
+    let place = tempfile::tempdir().unwrap();
+    let mut file = FileBuilder::new();
+    let head = b"MATLAB 7.3 MAT-file, Platform: GLNXA64, made for a test";
+    file.with_userblock(512).with_userblock_content(head);
+    let mut dataset = |name: &str, values: &[f64], shape: &[u64]| {
+        file.create_dataset(name)
+            .with_f64_data(values)
+            .with_shape(shape);
+    };
+    let two: Vec<f64> = OUTPUTS.iter().chain(&INPUTS).copied().collect();
+    dataset("t", &TIMES, &[1, 4]);
+    dataset("u", &INPUTS, &[4, 1]);
+    dataset("y", &two, &[2, 4]);
+    dataset("gain", &[3.0], &[1, 1]);
+    let path = place.path().join("r.mat");
+    file.write(path.to_str().unwrap()).unwrap();
+    check(&open(&path, &[("pos", "y(1)")]));
+}
+
 #[test]
 fn a_parquet_file_is_a_record_however_it_is_compressed() {
     let place = tempfile::tempdir().unwrap();

@@ -159,7 +159,7 @@ fn numbers_of_an_identification_are_those_of_the_summary() {
         "/parameters/k/lo",
         "/parameters/k/prior/hi",
         "/starts/0/states/x/lo",
-        "/work/sets",
+        "/samples",
     ] {
         assert!(shown.iter().any(|known| known == at), "no {at}");
     }

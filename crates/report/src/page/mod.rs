@@ -203,7 +203,13 @@ impl Block {
                     dl { @for (name, entry) in facts { dt { (name) } dd { (entry.markup()) } } }
                 }
                 Block::Table(table) if table.rows.len() > MANY => {
-                    details { summary { (table.rows.len()) " rows" } (table.markup()) }
+                    details {
+                        summary {
+                            (table.rows.len()) " rows"
+                            @if let Some(title) = table.head.first() { ": " (title) }
+                        }
+                        (table.markup())
+                    }
                 }
                 Block::Table(table) => { (table.markup()) }
                 Block::Listing {

@@ -1,7 +1,7 @@
 //! Bounds as text for people: rounded outward, and no more digits than tell something.
 
 use veribound_interval::{
-    Interval, round,
+    Decimal, Interval, round,
     text::{inside_prior, lower, readable, readable_inside, spelled, upper},
 };
 
@@ -36,6 +36,18 @@ pub fn show_reached(inner: Option<Interval>) -> String {
         Some(ends) => in_brackets(ends),
         // One point, or two so near that no short decimal lies between them.
         None => format!("about {}", lower(inner.mid(), 6)),
+    }
+}
+
+/// A time as text for people. One with very many digits is the float of a binary record as a rule: it is shown by the
+/// shortest decimal that reads as it. Tables and summaries have all digits.
+pub fn show_time(time: &Decimal) -> String {
+    let text = time.to_string();
+    let near = time.to_interval();
+    match text.len() {
+        0..=20 => text,
+        _ if near.is_point() => near.lo().to_string(),
+        _ => format!("about {}", lower(near.mid(), 12)),
     }
 }
 
@@ -99,6 +111,15 @@ mod tests {
 
     fn between(lo: &str, hi: &str) -> Interval {
         enclosed(lo).unwrap().hull(enclosed(hi).unwrap())
+    }
+
+    #[test]
+    fn times_of_binary_records_are_short() {
+        let time = |text: &str| show_time(&Decimal::parse(text).unwrap());
+        assert_eq!(time("14.990"), "14.99");
+        let float = "14.9900000000000002131628207280300557613372802734375";
+        assert_eq!(time(float), "14.99");
+        assert_eq!(time("0.3333333333333333333333333"), "about 0.333333333333");
     }
 
     #[test]

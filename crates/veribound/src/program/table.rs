@@ -1,7 +1,7 @@
 //! The short table at the end of an observation.
 
 use super::ending::Ending;
-use super::numbers::{show_inside, show_prior, shrink};
+use super::numbers::{show_inside, show_prior, show_time, shrink};
 use super::observe::Findings;
 use std::fmt::Write;
 use std::path::Path;
@@ -31,7 +31,7 @@ pub fn bounds(model: &Model, record: &Record, found: &Findings) -> String {
         work.boxes_max,
     );
     if let Some((time, estimate)) = found.last.as_ref().filter(|_| found.refutation.is_none()) {
-        let elapsed = format!("at {time} s");
+        let elapsed = format!("at {} s", show_time(time));
         let mut rows = vec![["", "prior", &elapsed, "", "shrink", ""].map(str::to_owned)];
         let names = model.params.iter().zip(&estimate.params).zip(&found.resets);
         for ((param, bounds), reset) in names {
@@ -41,9 +41,9 @@ pub fn bounds(model: &Model, record: &Record, found: &Findings) -> String {
                 show_inside(*bounds, param.bounds),
                 param.unit.clone(),
                 shrink(*bounds, param.bounds).unwrap_or_default(),
-                reset
-                    .as_ref()
-                    .map_or(String::new(), |time| format!("since the reset at {time} s")),
+                reset.as_ref().map_or(String::new(), |time| {
+                    format!("since the reset at {} s", show_time(time))
+                }),
             ]);
         }
         for (state, bounds) in model.states.iter().zip(&estimate.states) {

@@ -2,7 +2,7 @@
 
 use super::ending::Ending;
 use super::message;
-use super::numbers::show;
+use super::numbers::{show, show_time};
 use super::observe::Findings;
 use std::sync::Arc;
 use veribound_data::{Kind, Record, Verdict};
@@ -147,7 +147,7 @@ pub fn refuted_at(model: &Model, refutation: &Refutation) -> String {
     };
     format!(
         "t = {} s: the enclosure of {subject} is {}{unit}; {who} {}{unit}: gap {gap}{unit}",
-        refutation.time,
+        show_time(&refutation.time),
         show(enclosure),
         show(allowed),
     )
@@ -224,7 +224,7 @@ fn not_decided(model: &Model, record: &Record, undecided: &Undecided) -> Diagnos
 pub fn stopped(undecided: &Undecided) -> String {
     format!(
         "nothing could be proved about the step to t = {} s",
-        undecided.time
+        show_time(&undecided.time)
     )
 }
 

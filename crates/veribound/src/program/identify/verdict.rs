@@ -2,7 +2,7 @@
 
 use super::super::ending::Ending;
 use super::super::message::{complain, remark};
-use super::super::numbers::counted;
+use super::super::numbers::{counted, show_time};
 use super::super::verdict::{NOTHING_EXPLAINS, at_line};
 use super::{Data, Findings};
 use veribound_data::Verdict;
@@ -42,7 +42,8 @@ pub fn refuted_by(data: &Data, refuted: &Refuted) -> String {
     };
     format!(
         "nothing agrees with {name} up to t = {} s (line {}){by}",
-        refuted.time, refuted.line
+        show_time(&refuted.time),
+        refuted.line
     )
 }
 
@@ -89,7 +90,7 @@ fn inconsistent(model: &Model, data: &Data, refuted: &Refuted) -> Diagnostic {
     let problem = Diagnostic::new("E0301", format!("{NOTHING_EXPLAINS} (proved)"));
     let label = format!(
         "t = {} s: read up to here, the record refutes",
-        refuted.time
+        show_time(&refuted.time)
     );
     let label = match data.lines(refuted.record, &refuted.samples).as_slice() {
         [] | [_] => format!("{label} the model"),

@@ -5,7 +5,9 @@ mod observation;
 pub use observation::observation;
 
 use super::arguments::{PageFormat, Shown};
+use super::numbers::show_time;
 use veribound_data::{FileInfo, Printed, RecordInfo, RunInfo};
+use veribound_interval::Decimal;
 use veribound_model::Model;
 use veribound_model::diagnostic::Diagnostic;
 use veribound_report::{Block, Entry, Page, Section, Value};
@@ -111,7 +113,7 @@ impl<'r> Material<'r> {
                 |name: &str, text: String| facts.push((name.to_owned(), Entry::Text(text)));
             push(what, record.path.clone());
             push("SHA-256", record.sha256.clone());
-            let (count, first, last) = (record.samples, &record.first, &record.last);
+            let (count, first, last) = (record.samples, near(&record.first), near(&record.last));
             push("samples", format!("{count}, from {first} s to {last} s"));
             let columns = { record.columns.iter() }.map(|[variable, column]| {
                 if variable == column {
@@ -185,6 +187,11 @@ impl<'r> Material<'r> {
 /// Titles of columns.
 pub fn head(titles: &[&str]) -> Vec<String> {
     titles.iter().map(|title| (*title).to_owned()).collect()
+}
+
+/// A time of a record as text for people.
+fn near(time: &str) -> String {
+    Decimal::parse(time).map_or_else(|_| time.to_owned(), |time| show_time(&time))
 }
 
 /// A word as a shell reads it.

@@ -3,7 +3,7 @@
 use super::{Material, head};
 use crate::program::ending::Ending;
 use crate::program::message::list;
-use crate::program::numbers::{counted, shrink};
+use crate::program::numbers::{counted, show_time, shrink};
 use crate::program::observe::Findings;
 use crate::program::verdict;
 use veribound_data::Record;
@@ -57,7 +57,7 @@ fn sentences(material: &Material<'_>, record: &Record, found: &Findings) -> Vec<
         "{} of {} were read; the last one in the bounds is at t = {} s.",
         found.samples,
         counted(record.len(), "sample", "samples"),
-        found.last.as_ref().map_or(record.first(), |(time, _)| time),
+        show_time(found.last.as_ref().map_or(record.first(), |(time, _)| time)),
     );
     let mut sentences = vec![match found.ending {
         Ending::Inconsistent => String::from(
@@ -132,7 +132,9 @@ fn bounds(material: &Material<'_>, found: &Findings) -> Section {
                 inner: None,
             },
             Entry::Text(shrink(proved, param.bounds).unwrap_or_default()),
-            Entry::Text(reset.map_or(String::new(), |time| format!("since the reset at {time} s"))),
+            Entry::Text(reset.map_or(String::new(), |time| {
+                format!("since the reset at {} s", show_time(time))
+            })),
         ]
     });
     let states = material.model.states.iter().map(|state| {
@@ -142,10 +144,9 @@ fn bounds(material: &Material<'_>, found: &Findings) -> Section {
             material.bounds(&["states", &state.name]),
         ]
     });
-    let time = found
-        .last
-        .as_ref()
-        .map_or(String::new(), |(time, _)| format!(" at {time} s"));
+    let time = found.last.as_ref().map_or(String::new(), |(time, _)| {
+        format!(" at {} s", show_time(time))
+    });
     let mut blocks = Vec::new();
     if !material.model.params.is_empty() {
         blocks.push(Block::Table(Table {
