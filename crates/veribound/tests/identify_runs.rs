@@ -13,6 +13,7 @@ mod support;
 
 use serde_json::Value;
 use std::fs;
+use std::time::Instant;
 use support::{CART, Place, Ran, bounds, cart_record, rig};
 
 /// Two ranges.
@@ -137,11 +138,89 @@ fn a_contradiction_is_proved_with_the_samples_that_make_it() {
     let samples = refutation["samples"].as_array().unwrap();
     assert!(samples.len() == 2 && samples[1] == 2, "{refutation}");
     assert_eq!(told["parameters"]["k"]["empty"], true);
-    // A sensor that is worse explains it: 1.3 - 0.2 - 0.4 = 0.7 <= 2 * 0.35.
+    // 1.3 - 0.2 - 0.4 = 0.7 <= 2 * 0.35, and 0.1 was declared.
+    let least = &told["least_error"];
+    let ends = ["at_least", "enough"].map(|end| least[end].as_f64().unwrap());
+    assert!(
+        3.499 < ends[0] && ends[0] <= 3.5 && 3.5 <= ends[1] && ends[1] < 3.501,
+        "{least}"
+    );
+    assert!(
+        ran.out
+            .contains("  measurement errors must be at least 3.4"),
+        "{}",
+        ran.out
+    );
+    // A sensor that is worse explains it.
     identify(&place, "--output-error pos=0.36").ended(0);
     identify(&place, "--output-error pos=0.3").ended(1);
     // So does the part of the record before.
     identify(&place, "--until 0.1").ended(0);
+}
+
+/// Two exponentials that are not told apart easily, so that a paving takes a while.
+const DECAYS: &str = "format = 1\nstates = [\"a\", \"b\"]\ninit = { a = 20, b = -8 }\nparams.p = [0, 1]\nparams.q = [0, 1]\n\
+    der.a = \"-p*a\"\nder.b = \"-q*b\"\noutputs.y = \"a + b +- 0.5\"\n";
+
+/// A run that is killed again and again, at moments that nobody chose, comes to the same results to the byte.
+#[test]
+fn a_killed_run_goes_on_to_the_same_result() {
+    let place = Place::new();
+    place.file("m.toml", DECAYS);
+    let mut text = String::from("t,y\n");
+    for k in 0..=10 {
+        let t = f64::from(k);
+        text += &format!(
+            "{k},{:.1}\n",
+            20.0 * (-0.6 * t).exp() - 8.0 * (-0.2 * t).exp()
+        );
+    }
+    place.file("r.csv", text);
+    let asked = "--paving 0.3% --sets 300 --tightness 1.0001";
+    let begin = Instant::now();
+    identify(&place, asked).ended(0);
+    let whole = begin.elapsed();
+    let files = ["points.csv", "paving.csv"];
+    let wanted = files.map(|file| place.read(&format!("out/{file}")));
+    let work = |place: &Place| {
+        let told = summary(place);
+        (
+            told["work"]["sets"].clone(),
+            told["work"]["passes"].clone(),
+            told["parameters"].clone(),
+        )
+    };
+    let wanted_work = work(&place);
+    fs::remove_dir_all(place.path().join("out")).unwrap();
+    let (mut killed, mut share) = (0, 0.15);
+    loop {
+        let words = format!(
+            "identify m.toml r.csv -o out --figures none --report none --quiet --resume {asked}"
+        );
+        let words: Vec<&str> = words.split_whitespace().collect();
+        let mut child = place.command(&words).spawn().unwrap();
+        std::thread::sleep(whole.mul_f64(share));
+        share *= 1.2;
+        match child.try_wait().unwrap() {
+            Some(status) => {
+                assert_eq!(status.code(), Some(0));
+                break;
+            }
+            None => {
+                child.kill().unwrap();
+                child.wait().unwrap();
+                killed += 1;
+            }
+        }
+    }
+    assert!(killed > 0);
+    assert_eq!(files.map(|file| place.read(&format!("out/{file}"))), wanted);
+    assert_eq!(work(&place), wanted_work);
+    assert!(!place.path().join("out/checkpoint.bin").exists());
+    // What is kept of another run, or is damaged, is refused.
+    place.file("out/checkpoint.bin", "nonsense");
+    let ran = identify(&place, &format!("{asked} --resume")).ended(2);
+    assert!(ran.err.starts_with("error[E0505]: "), "{}", ran.err);
 }
 
 /// Tiles cover the prior without overlapping, and their statuses are true.

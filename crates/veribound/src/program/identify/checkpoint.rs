@@ -14,7 +14,7 @@ use veribound_model::diagnostic::Diagnostic;
 /// The file in the folder of the results.
 const NAME: &str = "checkpoint.bin";
 
-/// So long lies between two savings, at least.
+/// Between two savings lies a tenth of the time so far, at least, and so long is enough.
 const PAUSE: Duration = Duration::from_secs(5);
 
 /// Digits of a digest.
@@ -24,6 +24,7 @@ const DIGEST: usize = 64;
 pub struct Checkpoint<'a> {
     folder: &'a ResultFolder,
     run: String,
+    begin: Instant,
     last: Mutex<Instant>,
 }
 
@@ -45,6 +46,7 @@ impl<'a> Checkpoint<'a> {
         Checkpoint {
             folder,
             run: sha256_of_bytes(run.as_bytes()),
+            begin: Instant::now(),
             last: Mutex::new(Instant::now()),
         }
     }
@@ -85,7 +87,7 @@ impl<'a> Checkpoint<'a> {
         let Ok(mut last) = self.last.lock() else {
             return;
         };
-        if last.elapsed() < PAUSE {
+        if last.elapsed() < PAUSE.min(self.begin.elapsed() / 10) {
             return;
         }
         let kept = bytes();
