@@ -286,3 +286,68 @@ fn composed(monomials: &Monomials, polynomial: &[f64], v: usize, q: &[f64]) -> (
     }
     (acc, lost)
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+mod tests {
+    use super::*;
+    use crate::form::set::FormOptions;
+
+    fn value(monomials: &Monomials, polynomial: &[f64], at: [f64; 2]) -> f64 {
+        let terms = polynomial.iter().enumerate().map(|(a, x)| {
+            let e = monomials.exponents(a);
+            x * at[0].powi(e[0].into()) * at[1].powi(e[1].into())
+        });
+        terms.sum()
+    }
+
+    /// In other unknowns every point is where it was, up to what is said; and what is known of the unknown that was
+    /// replaced is true.
+    #[test]
+    fn other_unknowns_tell_the_same_set() {
+        let mut seed = 11_u64;
+        let mut draw = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        };
+        let options = FormOptions {
+            degree: Some(4),
+            ..FormOptions::default()
+        };
+        let mut widest: f64 = 0.0;
+        for _ in 0..200 {
+            let unit = Interval::symmetric(1.0);
+            let mut form = Form::new(&[unit, unit], &[], options);
+            let monomials = form.monomials.clone();
+            let is_kept = |a: usize| monomials.exponents(a)[2..].iter().all(|e| *e == 0);
+            let mut decider = vec![0.0; monomials.len()];
+            for a in (0..monomials.len()).filter(|a| is_kept(*a)) {
+                let degree: u8 = monomials.exponents(a).iter().sum();
+                decider[a] = draw() * f64::powi(0.1, i32::from(degree) - 1).min(1.0);
+                for polynomial in &mut form.states {
+                    polynomial[a] = draw();
+                }
+            }
+            let Some(turned) = form.in_terms_of(&decider) else {
+                continue;
+            };
+            let rest = turned.form.frame.hull();
+            for _ in 0..20 {
+                let before = [draw(), draw()];
+                let tau = (value(&monomials, &decider, before) - decider[0]) / turned.size;
+                assert!(tau.abs() <= 1.0);
+                let mut after = before;
+                after[turned.unknown] = tau;
+                for ((old, new), rest) in form.states.iter().zip(&turned.form.states).zip(&rest) {
+                    let apart = value(&monomials, old, before) - value(&monomials, new, after);
+                    assert!(rest.inflate(1e-13).contains(apart), "{apart} {rest}");
+                    widest = widest.max((apart.abs() - 1e-13) / rest.mag());
+                }
+                let known = &turned.form.within[0];
+                let own = value(&monomials, &known.polynomial, after);
+                assert!((own - before[turned.unknown]).abs() <= known.radius + 1e-13);
+            }
+        }
+        assert!(widest > 0.02, "the bound is not idle: {widest}");
+    }
+}
