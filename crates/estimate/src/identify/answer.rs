@@ -306,12 +306,15 @@ pub enum Limit {
     Enclosure,
 }
 
+/// Is given what makes the bytes to save, now and then; it may save or not.
+pub type Save<'a> = dyn Fn(&dyn Fn() -> Vec<u8>) + Sync + 'a;
+
 /// Where an identification is kept, so that it can go on after its end was forced.
 pub struct Checkpoints<'a> {
     /// What was saved last by a run with the same model, records and options.
     pub from: Option<&'a [u8]>,
-    /// Called now and then with what makes the bytes to save; it may save or not.
-    pub save: &'a (dyn Fn(&dyn Fn() -> Vec<u8>) + Sync),
+    /// Who saves.
+    pub save: &'a Save<'a>,
 }
 
 /// What was saved is not of this model, these records or this version.

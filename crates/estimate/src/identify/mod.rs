@@ -14,7 +14,7 @@ mod simplex;
 
 pub use answer::{
     AfterReset, Bounds, Checkpoints, Conclusion, Identified, IdentifyOptions, LeastError, Limit,
-    Progress, Reason, Refuted, Status, Tile, Unreadable,
+    Progress, Reason, Refuted, Save, Status, Tile, Unreadable,
 };
 
 use problem::Problem;
@@ -88,7 +88,7 @@ pub fn resume(
 
 /// Whom a search tells how far it is.
 pub(crate) struct Keep<'a> {
-    save: &'a (dyn Fn(&dyn Fn() -> Vec<u8>) + Sync),
+    save: &'a Save<'a>,
     go_on: &'a (dyn Fn(&Progress) -> bool + Sync),
 }
 

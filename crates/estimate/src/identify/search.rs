@@ -53,6 +53,9 @@ const FREE: f64 = 0.05;
 /// and where it ends.
 const NEAREST: f64 = 0.005;
 
+/// So many probes of little use end a climb.
+const IDLE: usize = 6;
+
 /// Where no point is known, it is looked for so often, and anew after so many sets.
 const TRIES: usize = 6;
 const ANEW: usize = 8;
@@ -67,6 +70,8 @@ struct Best {
     point: Vec<f64>,
     value: f64,
     reach: f64,
+    /// How many probes in a row were of little use.
+    idle: usize,
 }
 
 /// What is to be looked at.
@@ -275,10 +280,12 @@ impl<'a> Search<'a> {
             };
             best.value != before.value && reached < FREE * ends.width()
         });
+        let is_useful = (best.value - before.value).abs() >= USEFUL * missing;
+        best.idle = if is_useful { 0 } else { before.idle + 1 };
         // In the unknowns of the region it was found in now.
         if is_free {
             best.reach *= FARTHER;
-        } else if (best.value - before.value).abs() < USEFUL * missing {
+        } else if !is_useful {
             best.reach *= NEARER;
         }
     }
@@ -311,6 +318,7 @@ impl<'a> Search<'a> {
                         point: inside(&cell.part, point),
                         value,
                         reach,
+                        idle: best.as_ref().map_or(0, |best| best.idle),
                     });
                 }
             }
@@ -493,18 +501,47 @@ impl<'a> Search<'a> {
                 .into_iter()
                 .collect();
         }
-        let gaps = self.gaps().into_iter();
+        let gaps: Vec<_> = self.gaps().into_iter().filter(|gap| gap.0 > 1.0).collect();
         let position = |quantity| self.wanted.iter().position(|own| *own == quantity);
-        let wanted = gaps
-            .filter(|gap| gap.0 > 1.0)
-            .filter_map(|(_, quantity, upper)| Some((position(quantity)?, usize::from(upper))));
-        wanted
-            .filter(|(param, side)| {
-                let best = self.state.best[*param][*side].as_ref();
-                best.is_some_and(|best| best.reach > NEAREST)
-            })
-            .map(|(param, side)| Job::Climb(param, side))
-            .collect()
+        let mut jobs = Vec::new();
+        let mut ended = Vec::new();
+        for (_, quantity, upper) in gaps {
+            let Some(param) = position(quantity) else {
+                continue;
+            };
+            let side = usize::from(upper);
+            let best = self.state.best[param][side].as_ref();
+            if best.is_some_and(|best| best.reach > NEAREST && best.idle < IDLE) {
+                jobs.push(Job::Climb(param, side));
+            } else {
+                ended.push((quantity, upper));
+            }
+        }
+        // Where it goes no farther from the best points, better ones may be in the sets that decide the bounds.
+        if self.state.sets >= self.state.tries_since + ANEW {
+            self.state.tries_since = self.state.sets;
+            let mut tried = Vec::new();
+            for (quantity, upper) in ended {
+                if let Some(leaf) = self.extreme(quantity, upper)
+                    && !tried.contains(&leaf)
+                {
+                    tried.push(leaf);
+                    let cell = self.state.leaves[leaf].cell.clone();
+                    jobs.push(Job::Middle(Box::new(cell), REACH));
+                }
+            }
+        }
+        jobs
+    }
+
+    /// The leaf that decides a bound.
+    fn extreme(&self, quantity: usize, upper: bool) -> Option<usize> {
+        let end = |leaf: &Leaf| {
+            let x = leaf.outer[quantity];
+            if upper { -x.hi() } else { x.lo() }
+        };
+        let leaves = &self.state.leaves;
+        (0..leaves.len()).min_by(|a, b| end(&leaves[*a]).total_cmp(&end(&leaves[*b])))
     }
 
     /// Halves of the leaves that decide what is not known well enough.
