@@ -24,7 +24,7 @@ def head(path, last):
 def bits(frame):
     """Every float of a frame, bit by bit."""
     if isinstance(frame, pl.DataFrame):
-        frame = frame.to_pandas().set_index("t")
+        frame = pd.DataFrame(frame.to_dict(as_series=False)).set_index("t")
     numbers = frame.select_dtypes("number").to_numpy(dtype=float)
     return numbers.tobytes()
 

@@ -641,3 +641,144 @@ fn memory_is_bounded() {
     covers(&found.tiles, &[interval(0.0, 1.0), interval(0.0, 1.0)]);
     assert!(found.tiles.len() < 60, "{}", found.tiles.len());
 }
+
+/// Samples at whole seconds: outputs within `error`, signals, and maybe an input.
+fn told(rows: &[(&[f64], &[bool])], error: f64, inputs: &[f64]) -> Vec<Sample> {
+    let sample = |(k, (outputs, signals)): (usize, &(&[f64], &[bool]))| Sample {
+        time: Decimal::parse(&k.to_string()).unwrap(),
+        inputs: inputs
+            .get(k)
+            .map(|u| Interval::point(*u))
+            .into_iter()
+            .collect(),
+        outputs: outputs
+            .iter()
+            .map(|x| Some(Interval::point(*x).inflate(error)))
+            .collect(),
+        signals: signals.iter().map(|is_true| Some(*is_true)).collect(),
+        line: k + 2,
+    };
+    rows.iter().enumerate().map(sample).collect()
+}
+
+/// Two rates, of which the second is another from 5 s on; `signals` may reset the first, and the second, in
+/// an order.
+fn two_rates(names: [&str; 2], is_one: bool) -> Model {
+    let (second, more) = if is_one {
+        ("s", "")
+    } else {
+        ("q", "q = { proves = \"0*x == 0\", latency = 0 }\n")
+    };
+    let [first, other] = names;
+    read(
+        "two rates",
+        &format!(
+            "format = 1\nstates = [\"x\", \"z\"]\n[init]\nx = 0\nz = 0\n[params]\n{first} = [0, 10]\n{other} = [0, 10]\n[der]\n\
+             x = \"a + b\"\nz = \"b\"\n[outputs]\nxm = \"x +- 0.01\"\nzm = \"z +- 0.01\"\n[signals]\n\
+             s = {{ proves = \"0*x == 0\", latency = 0 }}\n{more}[events]\nea = {{ when = \"s\", lasts = 0, action = \"reset a\" }}\n\
+             eb = {{ when = \"{second}\", lasts = 0, action = \"reset b\" }}\n"
+        ),
+    )
+}
+
+/// Parameters that are reset at the same sample, one of them for a stretch only: what is known of the one rests on no
+/// old value of the other, whichever comes first.
+#[test]
+fn resets_at_the_same_sample() {
+    for names in [["a", "b"], ["b", "a"]] {
+        for is_one in [true, false] {
+            let model = two_rates(names, is_one);
+            let rows: Vec<(Vec<f64>, Vec<bool>)> = (0..12)
+                .map(|k| {
+                    let t = f64::from(k);
+                    let z = t.min(5.0) + 3.0 * (t - 5.0).max(0.0);
+                    let first = if is_one {
+                        (5..8).contains(&k)
+                    } else {
+                        k == 5 || k == 6
+                    };
+                    let signals = if is_one {
+                        vec![first]
+                    } else {
+                        vec![first, k == 5]
+                    };
+                    (vec![z + t, z], signals)
+                })
+                .collect();
+            let rows: Vec<(&[f64], &[bool])> = rows.iter().map(|(x, s)| (&x[..], &s[..])).collect();
+            let record = told(&rows, 0.01, &[]);
+            let found = run(
+                &model,
+                std::slice::from_ref(&record),
+                &IdentifyOptions::default(),
+            );
+            assert!(
+                !matches!(found.conclusion, Conclusion::Inconsistent(_)),
+                "{names:?} {is_one}"
+            );
+            assert!(
+                found.params.iter().all(|bounds| bounds.outer.contains(1.0)),
+                "{found:?}"
+            );
+            for phase in &found.resets[0] {
+                let truth = if names[phase.param] == "a" { 1.0 } else { 3.0 };
+                assert!(phase.bounds.outer.contains(truth), "{phase:?}");
+            }
+            let least = least_error(&model, &[record], &IdentifyOptions::default(), &|_| true);
+            assert!(least.factor.lo() <= 1.0, "{least:?}");
+        }
+    }
+}
+
+/// Values that last for one stretch are cut by what samples tell with errors as large as they may be.
+#[test]
+fn the_least_error_through_resets() {
+    let text = "format = 1\nstates = [\"x\", \"z\"]\ninputs = [\"u\"]\n[init]\nx = 0\nz = 0\n[params]\na = [0, 1]\n[der]\n\
+        x = \"a*u\"\nz = \"a*u\"\n[outputs]\nxm = \"x +- 0.1\"\nzm = \"z +- 0.1\"\n[signals]\n\
+        s = { proves = \"0*x == 0\", latency = 0 }\n[events]\nea = { when = \"s\", lasts = 0, action = \"reset a\" }\n";
+    let model = read("one rate", text);
+    let rows: [(&[f64], &[bool]); 7] = [
+        (&[0.0, 0.0], &[false]),
+        (&[0.0, 0.0], &[false]),
+        (&[0.0, 0.0], &[true]),
+        (&[1.0, 0.5], &[true]),
+        (&[0.75, 0.75], &[true]),
+        (&[0.75, 0.75], &[false]),
+        (&[0.75, 0.75], &[false]),
+    ];
+    let record = told(&rows, 0.1, &[0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0]);
+    let found = least_error(&model, &[record], &IdentifyOptions::default(), &|_| true);
+    // 1 and 0.5 are both 0.75 with errors of a quarter.
+    assert!(
+        found.factor.lo() <= 2.5 && 2.5 <= found.factor.hi(),
+        "{found:?}"
+    );
+}
+
+/// A reset may make a state jump at the sample itself, and the sample tells what it is after that.
+#[test]
+fn resets_that_make_a_state_jump() {
+    let text = "format = 1\nstates = [\"x\", \"y\"]\n[init]\nx = 0\ny = 0\n[params]\np = [0, 1.5]\n[der]\nx = \"0\"\ny = \"p\"\n\
+        [jumps]\nstart = { when = \"p > 1 and x < 0.5\", set = { x = \"1\" } }\n[outputs]\nxm = \"x +- 0.1\"\nym = \"y +- 0.1\"\n\
+        [signals]\ns = { proves = \"0*x == 0\", latency = 0 }\n[events]\nea = { when = \"s\", lasts = 0, action = \"reset p\" }\n";
+    let model = read("start", text);
+    let rows: [(&[f64], &[bool]); 7] = [
+        (&[0.0, 0.0], &[false]),
+        (&[0.0, 0.0], &[false]),
+        (&[0.0, 0.0], &[true]),
+        (&[1.0, 0.0], &[true]),
+        (&[1.0, 1.2], &[true]),
+        (&[1.0, 1.2], &[false]),
+        (&[1.0, 1.2], &[false]),
+    ];
+    let found = run(
+        &model,
+        &[told(&rows, 0.1, &[])],
+        &IdentifyOptions::default(),
+    );
+    assert!(
+        !matches!(found.conclusion, Conclusion::Inconsistent(_)),
+        "{found:?}"
+    );
+    assert!(found.params[0].outer.contains(0.0), "{found:?}");
+}

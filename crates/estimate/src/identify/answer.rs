@@ -202,7 +202,8 @@ pub struct AfterReset {
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeastError {
     /// Proved: with declared measurement errors (half widths of what samples say of outputs) multiplied by less than the
-    /// lower end of this nothing agrees; multiplied by the upper end, which may be infinite, something does.
+    /// lower end of this nothing agrees; multiplied by the upper end, which may be infinite, something does. What a
+    /// sample says exactly, or from one side alone, is taken as it is.
     pub factor: Interval,
     /// Parameters with which something does, if any are known, as narrow as rounding allows.
     pub point: Option<Vec<Interval>>,

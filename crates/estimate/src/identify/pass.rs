@@ -190,11 +190,14 @@ fn scales(form: &Form) -> Vec<(Interval, Interval)> {
 
 impl Meeter<'_> {
     /// Gives parameters the values that they may have from the sample `begin` on.
+    ///
+    /// First all of them: what is known of one must not rest on what another was before.
     fn renew(&mut self, form: &mut Form) {
-        let first = self.begin == self.span.from;
+        let is_first = self.begin == self.span.from;
+        let resets = &self.course.instants[self.begin].resets;
+        let mut passing = Vec::new();
         for param in 0..self.problem.layout.params {
-            let is_reset = self.course.instants[self.begin].resets.contains(&param);
-            if !is_reset && !first {
+            if !is_first && !resets.contains(&param) {
                 continue;
             }
             match self.course.value(param, self.begin) {
@@ -204,17 +207,21 @@ impl Meeter<'_> {
                     form.set_param(param, &later.slopes, later.rest);
                 }
                 Value::Passing => {
-                    let value = self.passing(form, param);
-                    form.set_param(param, &[], value);
+                    form.set_param(param, &[], self.problem.prior[param]);
+                    passing.push(param);
                 }
             }
+        }
+        for param in passing {
+            let value = self.passing(form, param);
+            form.set_param(param, &[], value);
         }
     }
 
     /// The values of a parameter for one stretch with which what states are told to be at its end can be.
     ///
-    /// One of them stands for all where it makes no difference: where everything rests with any of them, and no output
-    /// depends on it.
+    /// One of them stands for all where it makes no difference: where everything rests with any of them, and any of the
+    /// other parameters in the form, and no output depends on it.
     fn passing(&mut self, form: &Form, param: usize) -> Interval {
         let believed = self.problem.prior[param];
         let course = self.course;
@@ -231,9 +238,15 @@ impl Meeter<'_> {
         if !is_told && after(believed).is_some_and(|after| after.rests) {
             return Interval::point(believed.mid());
         }
+        // What a state is at a sample may be after a jump there, which other inputs and parameters decide.
+        let may_cut = !self.problem.flow.has_jumps();
         let told = course.instants[self.begin + 1].told.iter();
-        let told = told.filter_map(|(quantity, told)| {
-            Some((self.problem.quantities[*quantity].state()?, *told))
+        let told = told.filter(|_| may_cut).filter_map(|(quantity, told)| {
+            let state = self.problem.quantities[*quantity].state()?;
+            let is_output = *quantity < self.problem.outputs;
+            let factor = self.factor.as_ref().filter(|_| is_output);
+            let scaled = factor.and_then(|factor| Scaled::of(*told, factor));
+            Some((state, scaled.map_or(*told, |scaled| scaled.largest())))
         });
         let told: Vec<(usize, Interval)> = told.collect();
         let mut is_excluded = |lo: f64, hi: f64| {

@@ -161,9 +161,14 @@ impl Flow {
         journey.run()
     }
 
+    /// Whether the state can jump at all.
+    pub fn has_jumps(&self) -> bool {
+        !self.switching.sets.is_empty()
+    }
+
     /// Whether a solution of the form may jump at once, with inputs in these.
     pub fn may_jump(&self, form: &Form, inputs: &[Interval]) -> bool {
-        if self.switching.sets.is_empty() {
+        if !self.has_jumps() {
             return false;
         }
         let quantities = [&form.hull()[..], &form.param_box(), inputs].concat();
