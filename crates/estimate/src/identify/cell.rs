@@ -4,14 +4,17 @@
     reason = "PROOF: one row of axes per quantity, unknowns and rows of the same region"
 )]
 
+use std::collections::BTreeSet;
+
 use super::answer::Reason;
 use super::eigen::eigenvectors;
-use super::pass::{Conflict, Passed, Set, Span, contract, pass};
+use super::pass::{Aim, Conflict, Set, Span, contract, pass};
 use super::pave::reason_of;
 use super::problem::Problem;
 use super::region::{Region, scales_of};
 use super::rows::{Affine, Rows};
-use super::simplex::{Program, Side};
+use super::simplex::{Program, Side, deepest};
+use super::windows::{Joined, Junctions, Window, common, information, joined, widths};
 use serde::{Deserialize, Serialize};
 use veribound_flow::form::Parallelotope;
 use veribound_interval::Interval;
@@ -19,8 +22,9 @@ use veribound_interval::Interval;
 /// A round that leaves more than this share of every axis was not worth it.
 const WORTHWHILE: f64 = 0.8;
 
-/// Later windows are left for the next round when one leaves less than this share of an axis.
-const ENOUGH: f64 = 0.6;
+/// So many unknowns of windows are looked at together at first, and at most.
+const FIRST: usize = 8;
+const MOST: usize = 64;
 
 /// Most rounds for one region.
 const ROUNDS: usize = 30;
@@ -34,8 +38,20 @@ const WIDER: f64 = 1.3;
 /// Proved points keep so far from the border of the unit box.
 const BORDER: f64 = 1e-6;
 
-/// How far outside of rows, as multiple of half of what they allow, a point may have to be.
-const DEEP: f64 = 16.0;
+/// Slopes for a fit are those of a region of this share around a point,
+const TINY: f64 = 1e-6;
+
+/// and it moves by this share of the region at first, so many times at most.
+const TRUST: f64 = 0.5;
+const FITS: usize = 12;
+
+/// A climb has so many steps at most, keeps inside of what was measured by this share,
+const CLIMBS: usize = 8;
+const MARGIN: f64 = 1e-3;
+
+/// may be outside by this share on its way, and has arrived when a step brought no more than this share of it.
+const ASTRAY: f64 = 0.1;
+const ARRIVED: f64 = 0.02;
 
 /// Points that are tried are in this.
 const NEAR_BORDER: f64 = 1.0 - 2.0 * BORDER;
@@ -58,6 +74,10 @@ pub(crate) struct Cell {
     pub(crate) passes: usize,
     /// For every record the last sample that its start states were followed to.
     pub(crate) reached: Vec<usize>,
+    /// For every record samples at which windows began, and the states there of all solutions that are left.
+    pub(crate) junctions: Vec<Junctions>,
+    /// The deepest point of all windows, where there are any.
+    deep: Option<(Vec<f64>, f64)>,
 }
 
 /// A conflict, and the record it is in.
@@ -71,7 +91,7 @@ pub(crate) struct Clash {
 impl Problem {
     /// The quantities that a pass through a record needs beside states: parameters, their values after resets, and
     /// the factor of errors.
-    fn fixed_of(&self, record: usize) -> Vec<usize> {
+    pub(crate) fn fixed_of(&self, record: usize) -> Vec<usize> {
         let factor = self.factor_position();
         self.params()
             .chain(self.later(record))
@@ -82,12 +102,20 @@ impl Problem {
     /// Narrows a region round by round, until samples tell no more of it; the region may be turned where that is
     /// allowed.
     ///
-    /// Guarantee: all start values and parameters of the region that agree with all records are in the part of the
-    /// cell; a clash proves that there are none.
-    pub(crate) fn refine(&self, mut region: Region, may_turn: bool) -> Result<Cell, Clash> {
+    /// Guarantee: all start values and parameters of the region that agree with all records, on ways through the states
+    /// that are `known`, are in the part of the cell; a clash proves that there are none.
+    pub(crate) fn refine(
+        &self,
+        mut region: Region,
+        mut known: Vec<Junctions>,
+        may_turn: bool,
+    ) -> Result<Cell, Clash> {
         let mut passes = 0;
+        known.resize(self.courses.len(), Junctions::new());
+        let mut together = FIRST;
         for round in 1.. {
-            let (cell, shrunk) = match self.round(region, &mut passes, true) {
+            let windows = Some((&known[..], together));
+            let (cell, shrunk) = match self.round(region, &mut passes, windows) {
                 Ok(done) => done,
                 Err((record, conflict)) => {
                     return Err(Clash {
@@ -98,10 +126,18 @@ impl Problem {
                 }
             };
             let (next, turned) = cell.smaller(may_turn);
-            if round >= ROUNDS || (shrunk > WORTHWHILE && !turned) {
-                return Ok(Cell { passes, ..cell });
+            let is_last = round >= ROUNDS;
+            let mut states = widths(&cell.junctions).into_iter().zip(widths(&known));
+            let goes_on = states.any(|(now, before)| now < WORTHWHILE * before);
+            if is_last || (shrunk > WORTHWHILE && !turned && !goes_on) {
+                // More windows together tell more, and take longer.
+                let begins: usize = cell.junctions.iter().map(Junctions::len).sum();
+                if is_last || together >= MOST.min(begins * self.layout.states) {
+                    return Ok(Cell { passes, ..cell });
+                }
+                together *= 2;
             }
-            region = next;
+            (region, known) = (next, cell.junctions);
         }
         unreachable!("PROOF: the loop ends by returning")
     }
@@ -115,8 +151,110 @@ impl Problem {
             .map(|x| Interval::point(*x).inflate(reach))
             .collect();
         let mut passes = 0;
-        let (cell, _) = self.round(region.part(&part), &mut passes, false).ok()?;
+        let (cell, _) = self.round(region.part(&part), &mut passes, None).ok()?;
         Some(Cell { passes, ..cell })
+    }
+
+    /// Goes from a point of the region to one nearby that agrees with all records, as far as that is seen without proof:
+    /// each time to the deepest point of what is measured as linear functions there.
+    pub(crate) fn fit(&self, region: &Region, point: &[f64]) -> Option<Vec<f64>> {
+        let mut at = point.to_vec();
+        let mut trust = TRUST;
+        let mut rows = self.linear(region, &at)?;
+        let mut depth = depth_of(&rows);
+        for _ in 0..FITS {
+            if depth > 0.0 {
+                return Some(at);
+            }
+            let ends = at.iter().map(|x| {
+                let (lo, hi) = ((x - trust).max(-1.0), (x + trust).min(1.0));
+                Interval::new((lo - x) / TINY, (hi - x) / TINY).unwrap_or(Interval::ZERO)
+            });
+            let (step, _) = deepest(&rows, &ends.collect::<Vec<_>>());
+            let next: Vec<f64> = at.iter().zip(&step).map(|(x, by)| x + TINY * by).collect();
+            let better = self.linear(region, &next);
+            let better = better.map(|rows| (depth_of(&rows), rows));
+            match better.filter(|(own, _)| *own > depth) {
+                Some(found) => (at, depth, rows) = (next, found.0, found.1),
+                None => trust *= 0.3,
+            }
+        }
+        (depth > 0.0).then_some(at)
+    }
+
+    /// Goes from a point that agrees with all records to where a quantity is least, or largest, as far as that is seen
+    /// without proof.
+    pub(crate) fn climb(
+        &self,
+        region: &Region,
+        point: &[f64],
+        quantity: usize,
+        is_upper: bool,
+    ) -> Option<Vec<f64>> {
+        let sign = if is_upper { -1.0 } else { 1.0 };
+        let direction: Vec<f64> = region.axes[quantity].iter().map(|x| sign * x).collect();
+        let height = |at: &[f64]| -> f64 { direction.iter().zip(at).map(|(d, x)| d * x).sum() };
+        let mut best = point.to_vec();
+        let mut at = point.to_vec();
+        let mut trust = TRUST;
+        let mut rows = self.linear(region, &at)?;
+        for _ in 0..CLIMBS {
+            let step = highest(&rows, trust / TINY, &direction);
+            let next: Vec<f64> = at.iter().zip(&step).map(|(x, by)| x + TINY * by).collect();
+            let found = self.linear(region, &next);
+            let found = found.map(|rows| (depth_of(&rows), rows));
+            match found.filter(|(depth, _)| *depth > -ASTRAY) {
+                Some((depth, own)) => {
+                    let is_near = step.iter().all(|x| x.abs() < 0.9 * trust / TINY);
+                    (at, rows) = (next, own);
+                    if depth > 0.0 && height(&at) < height(&best) {
+                        let gain = height(&best) - height(&at);
+                        let way = height(point) - height(&at);
+                        best = at.clone();
+                        if is_near && gain < ARRIVED * way {
+                            break;
+                        }
+                    }
+                    trust *= 4.0;
+                }
+                None => {
+                    trust *= 0.2;
+                }
+            }
+        }
+        Some(best)
+    }
+
+    /// What is measured as linear functions about a point of a region, in unknowns that are [`TINY`] there; nothing
+    /// where a pass does not come to its end.
+    fn linear(&self, region: &Region, point: &[f64]) -> Option<Rows> {
+        let part: Vec<Interval> = point
+            .iter()
+            .map(|x| Interval::point(*x).inflate(TINY))
+            .collect();
+        let region = region.part(&part);
+        let mut all = Rows::new(region.axes());
+        for (record, course) in self.courses.iter().enumerate() {
+            if course.instants.is_empty() {
+                continue;
+            }
+            let starts = self.starts(record).chain(self.fixed_of(record));
+            let (rows, kept) = region.rows_of(&starts.collect::<Vec<_>>());
+            let span = Span {
+                from: 0,
+                until: course.end(),
+                aim: Aim::Slopes,
+            };
+            let passed = pass(self, course, span, self.set(record, rows), BTreeSet::new());
+            if passed.reached < course.end() {
+                return None;
+            }
+            all.take(&passed.rows, &kept, record);
+        }
+        for (i, believed) in self.believed().iter().enumerate() {
+            all.push(&region.axes[i], region.offset(i), *believed, BELIEVED, 0);
+        }
+        Some(all)
     }
 
     /// One pass through every record; also tells the smallest share of an axis that is left.
@@ -124,13 +262,13 @@ impl Problem {
         &self,
         region: Region,
         passes: &mut usize,
-        has_windows: bool,
+        windows_of: Option<(&[Junctions], usize)>,
     ) -> Result<(Cell, f64), (usize, Conflict)> {
         let axes = region.axes();
         let mut curvature = vec![0.0; axes];
         let mut is_complete = true;
         let mut reached = Vec::new();
-        let mut parts = Vec::new();
+        let mut windows: Vec<Window> = Vec::new();
         for (record, course) in self.courses.iter().enumerate() {
             let starts = self.starts(record).chain(self.fixed_of(record));
             let (rows, kept) = region.rows_of(&starts.collect::<Vec<_>>());
@@ -142,10 +280,19 @@ impl Problem {
             let span = Span {
                 from: 0,
                 until,
-                for_points: !has_windows,
+                aim: if windows_of.is_some() {
+                    Aim::Bounds
+                } else {
+                    Aim::Points
+                },
             };
             *passes += 1;
-            let passed = pass(self, course, span, self.set(record, rows));
+            let known = windows_of.map(|(known, _)| &known[record]);
+            let wanted = known
+                .iter()
+                .flat_map(|known| known.keys().copied())
+                .collect();
+            let passed = pass(self, course, span, self.set(record, rows), wanted);
             if let Some(conflict) = passed.conflict {
                 return Err((record, conflict));
             }
@@ -154,51 +301,26 @@ impl Problem {
             for (axis, bend) in kept.iter().zip(&passed.curvature) {
                 curvature[*axis] += bend;
             }
-            let begin = parts.len();
-            parts.push((passed, kept, record));
-            if has_windows && parts[begin].0.reached < until {
-                self.later_windows(&region, record, &mut parts, passes)?;
+            let is_short = passed.reached < until;
+            windows.push(Window {
+                passed,
+                kept,
+                record,
+                link: None,
+            });
+            if let Some(known) = known.filter(|_| is_short) {
+                self.later_windows(&region, known, &mut windows, passes)?;
             }
         }
         // The unknowns that are left to all of them.
-        let mut scales = vec![(Interval::ZERO, Interval::ONE); axes];
-        let unit = Interval::symmetric(1.0);
-        if let [(passed, kept, _)] = &parts[..] {
-            for (axis, scale) in kept.iter().zip(&passed.scales) {
-                scales[*axis] = *scale;
-            }
-        } else {
-            let mut part = vec![unit; axes];
-            for (passed, kept, _) in &parts {
-                for (axis, (middle, radius)) in kept.iter().zip(&passed.scales) {
-                    part[*axis] = part[*axis].intersect(*middle + *radius * unit);
-                }
-            }
-            if let Some(axis) = part.iter().position(|x| x.is_empty()) {
-                let told = parts.iter().filter(|window| window.1.contains(&axis));
-                let samples = told.map(|(passed, _, record)| (passed.reached, *record));
-                let samples = samples.collect();
-                return Err((0, Conflict::Rows { samples }));
-            }
-            scales = scales_of(&part);
-        }
-        let mut rows = Rows::new(axes);
-        for (passed, kept, record) in &mut parts {
-            let to_common: Vec<(Interval, Interval)> = kept
-                .iter()
-                .zip(&passed.scales)
-                .map(|(axis, own)| {
-                    let common = scales[*axis];
-                    if common == *own {
-                        (Interval::ZERO, Interval::ONE)
-                    } else {
-                        into(own, &common)
-                    }
-                })
-                .collect();
-            passed.rows.rescale(&to_common);
-            rows.take(&passed.rows, kept, *record);
-        }
+        let scales = common(&windows, axes)?;
+        let together = windows_of.map_or(0, |(_, together)| together);
+        let Joined {
+            mut rows,
+            mut junctions,
+            deepest: deep,
+        } = joined(windows, &scales, together)?;
+        junctions.resize(self.courses.len(), Junctions::new());
         let region = region.rescaled(&scales);
         for (i, believed) in self.believed().iter().enumerate() {
             // What does not depend on the unknowns may be any of its values, of which one that is believed is enough.
@@ -223,6 +345,8 @@ impl Problem {
             curvature,
             passes: 0,
             reached,
+            junctions,
+            deep,
         };
         Ok((cell, shrunk))
     }
@@ -230,7 +354,7 @@ impl Problem {
 
 impl Problem {
     /// Rows of states and of [`Problem::fixed_of`] as what a pass moves.
-    fn set(&self, record: usize, mut rows: Parallelotope) -> Set {
+    pub(crate) fn set(&self, record: usize, mut rows: Parallelotope) -> Set {
         let moved = self.layout.states + self.layout.params;
         let rest = rows.rest.split_off(moved);
         let centre = rows.centre.split_off(moved);
@@ -249,165 +373,35 @@ impl Problem {
     }
 }
 
+/// About the unknowns, none farther than `trust`, that are least in a direction of those well inside of all rows.
+fn highest(rows: &Rows, trust: f64, direction: &[f64]) -> Vec<f64> {
+    let mut inner = Rows::new(rows.unknowns());
+    for row in 0..rows.len() {
+        let outer = rows.outer(row);
+        let margin = outer.width() * MARGIN;
+        let inside = Interval::new(outer.lo() + margin, outer.hi() - margin);
+        let inside = inside.unwrap_or(outer);
+        inner.push(rows.slopes(row), Interval::ZERO, inside, 0, 0);
+    }
+    let part = vec![Interval::symmetric(trust); rows.unknowns()];
+    Program::new(&inner, &part, Side::Outer)
+        .minimize(direction)
+        .point
+}
+
+/// How far inside of all rows, as share of what each allows, the middle of the unknowns is; below zero where outside.
+fn depth_of(rows: &Rows) -> f64 {
+    let depths = (0..rows.len()).map(|row| {
+        let outer = rows.outer(row);
+        (-outer.lo()).min(outer.hi()) / outer.width()
+    });
+    depths.filter(|depth| !depth.is_nan()).fold(1.0, f64::min)
+}
+
 /// Whether unknowns are in the unit box, and by so much that they are in all those that it was narrowed from, which
 /// rounding may have made a little smaller: rows tell of these alone.
 pub(crate) fn is_well_inside(unknowns: Interval) -> bool {
     unknowns.is_subset_of(Interval::symmetric(1.0 - BORDER))
-}
-
-/// Unknowns `common.0 + common.1 δ'` in terms of `own.0 + own.1 δ`.
-fn into(own: &(Interval, Interval), common: &(Interval, Interval)) -> (Interval, Interval) {
-    if own.1.contains(0.0) {
-        return (Interval::ENTIRE, Interval::ENTIRE);
-    }
-    ((common.0 - own.0) / own.1, common.1 / own.1)
-}
-
-/// A pass, the axes of its unknowns, and its record.
-type Window = (Passed, Vec<usize>, usize);
-
-impl Problem {
-    /// Goes on from where the last window of `parts` was told anything last, with start states of their own, to
-    /// the end of the record; what later windows say of their start states is projected away.
-    ///
-    /// Parameters are the same in all windows, so that each says something of the axes of `region`.
-    fn later_windows(
-        &self,
-        region: &Region,
-        record: usize,
-        parts: &mut Vec<Window>,
-        passes: &mut usize,
-    ) -> Result<(), (usize, Conflict)> {
-        let course = &self.courses[record];
-        let until = course.end();
-        let (own, kept) = region.rows_of(&self.fixed_of(record));
-        let mut from = 0;
-        let mut states = parts.last().and_then(|(passed, ..)| {
-            let part = contract(&passed.rows).ok()?;
-            anchored(passed, &part, &mut from)
-        });
-        while let Some(box_) = states {
-            let starts = Region::of_box(&box_);
-            let fresh = starts.axes();
-            let zeros = |count: usize| vec![0.0; count];
-            let widened = starts
-                .axes
-                .iter()
-                .map(|row| [&row[..], &zeros(kept.len())].concat());
-            let shifted = own.axes.iter().map(|row| [&zeros(fresh)[..], row].concat());
-            let rows = Parallelotope {
-                centre: [&starts.centre[..], &own.centre].concat(),
-                axes: widened.chain(shifted).collect(),
-                rest: [&starts.rest[..], &own.rest].concat(),
-            };
-            let span = Span {
-                from,
-                until,
-                for_points: false,
-            };
-            *passes += 1;
-            let mut passed = pass(self, course, span, self.set(record, rows));
-            if let Some(conflict) = passed.conflict {
-                return Err((record, conflict));
-            }
-            passed.rows.prune();
-            let part = contract(&passed.rows).map_err(|conflict| (record, conflict))?;
-            let mut next = from;
-            let ended = passed.reached == until;
-            states = anchored(&passed, &part, &mut next).filter(|_| !ended && next > from);
-            from = next;
-            let shrunk = passed.scales[fresh..]
-                .iter()
-                .zip(&part[fresh..])
-                .map(|(scale, x)| scale.1.hi() * x.rad())
-                .fold(1.0, f64::min);
-            passed.rows = projected(&passed.rows, &part, fresh);
-            passed.scales.drain(..fresh);
-            parts.push((passed, kept.clone(), record));
-            // A narrower set goes farther.
-            if shrunk < ENOUGH {
-                break;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Encloses the states at the last sample that told something.
-fn anchored(passed: &Passed, part: &[Interval], from: &mut usize) -> Option<Vec<Interval>> {
-    let (sample, states) = passed.anchor.as_ref()?;
-    *from = *sample;
-    let program = Program::new(&passed.rows, part, Side::Outer);
-    let around = |state: &Affine| program.bounds(&state.slopes) + state.rest;
-    let box_: Vec<Interval> = states.iter().map(around).collect();
-    box_.iter().all(|x| x.is_bounded()).then_some(box_)
-}
-
-/// What rows say of all unknowns but the first `fresh`.
-fn projected(rows: &Rows, part: &[Interval], fresh: usize) -> Rows {
-    let n = part.len();
-    let matrix = information(rows, part);
-    // What is left of the information when the first unknowns are free.
-    let mut left = matrix;
-    for v in 0..fresh {
-        let pivot = left[v * n + v];
-        if pivot <= 0.0 {
-            continue;
-        }
-        for i in 0..n {
-            let factor = left[i * n + v] / pivot;
-            for l in 0..n {
-                if i != v {
-                    left[i * n + l] -= factor * left[v * n + l];
-                }
-            }
-        }
-    }
-    let kept = n - fresh;
-    let corner: Vec<f64> = (fresh..n)
-        .flat_map(|i| left[i * n + fresh..(i + 1) * n].to_vec())
-        .collect();
-    let mut directions = eigenvectors(kept, &corner);
-    directions.extend((0..kept).map(|v| {
-        let mut unit = vec![0.0; kept];
-        unit[v] = 1.0;
-        unit
-    }));
-    let program = Program::new(rows, part, Side::Outer);
-    let mut told = Rows::new(kept);
-    let sample = (0..rows.len()).map(|row| rows.origin(row).0).max();
-    for direction in directions {
-        let whole = [&vec![0.0; fresh][..], &direction].concat();
-        let bounds = program.bounds(&whole);
-        if bounds.is_bounded() {
-            told.push(&direction, Interval::ZERO, bounds, sample.unwrap_or(0), 0);
-        }
-    }
-    told
-}
-
-/// How much rows say of the directions of unknowns, seen from a part of their box: a hint.
-fn information(rows: &Rows, part: &[Interval]) -> Vec<f64> {
-    let n = part.len();
-    let mut matrix = vec![0.0; n * n];
-    for row in 0..rows.len() {
-        let slopes = rows.slopes(row);
-        let reach: f64 = slopes
-            .iter()
-            .zip(part)
-            .map(|(g, x)| g.abs() * x.rad())
-            .sum();
-        let width = rows.outer(row).rad().max(1e-30);
-        if reach < width {
-            continue;
-        }
-        for i in 0..n {
-            for l in 0..n {
-                matrix[i * n + l] += slopes[i] * slopes[l] / (width * width);
-            }
-        }
-    }
-    matrix
 }
 
 impl Cell {
@@ -415,7 +409,9 @@ impl Cell {
     pub(crate) fn bytes(&self) -> usize {
         let axes = self.part.len();
         let row = 8 * axes + 40;
-        row * self.rows.len() + 8 * (axes + 2) * self.region.centre.len() + 300
+        let known = self.junctions.iter().flat_map(|known| known.values());
+        let known: usize = known.map(|box_| 16 * box_.len() + 48).sum();
+        known + row * self.rows.len() + 8 * (axes + 2) * self.region.centre.len() + 300
     }
 
     /// Whether its lists have the lengths of a problem with so many quantities and records.
@@ -428,6 +424,7 @@ impl Cell {
             && self.rows.unknowns() == axes
             && self.curvature.len() == axes
             && self.reached.len() == records
+            && self.junctions.len() == records
     }
 
     /// The region that is left, turned along its rows where that makes it much smaller.
@@ -554,40 +551,12 @@ impl Cell {
             })
     }
 
-    /// About the unknowns that are farthest from the ends of all rows, as share of what each allows: inside of
-    /// them, or where that is not possible, as little outside as can be; and how far that is.
+    /// Where solutions are most likely to agree with all records, as [`deepest`], and how far inside that is.
     pub(crate) fn deepest(&self) -> (Vec<f64>, f64) {
-        let n = self.part.len();
-        let mut rows = Rows::new(n + 1);
-        for row in 0..self.rows.len() {
-            let outer = self.rows.outer(row);
-            let slopes = self.rows.slopes(row);
-            let reach: f64 = slopes.iter().map(|g| g.abs()).sum();
-            let depth = 0.5 * DEEP * outer.width().min(reach);
-            let half = |lo: f64, hi: f64| Interval::new(lo, hi).unwrap_or(Interval::ENTIRE);
-            let sides = [
-                (half(outer.lo(), f64::INFINITY), -depth),
-                (half(f64::NEG_INFINITY, outer.hi()), depth),
-            ];
-            for (side, depth) in sides.into_iter().filter(|side| side.0 != Interval::ENTIRE) {
-                let slopes = [slopes, &[depth]].concat();
-                rows.push(&slopes, Interval::ZERO, side, 0, 0);
-            }
+        match &self.deep {
+            Some(deep) => deep.clone(),
+            None => deepest(&self.rows, &self.part),
         }
-        let mut part = self.part.clone();
-        part.push(Interval::symmetric(1.0));
-        let mut direction = vec![0.0; n + 1];
-        direction[n] = -1.0;
-        let vertex = Program::new(&rows, &part, Side::Outer).minimize(&direction);
-        let mut point = vertex.point;
-        let depth = point.pop().unwrap_or(f64::NEG_INFINITY);
-        // An unknown that no row depends on is anywhere.
-        for (v, x) in point.iter_mut().enumerate() {
-            if (0..self.rows.len()).all(|row| self.rows.slopes(row)[v] == 0.0) {
-                *x = self.part[v].mid();
-            }
-        }
-        (point, depth)
     }
 
     /// The halves along the axis that bends most what is told.

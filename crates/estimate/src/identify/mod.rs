@@ -11,6 +11,7 @@ mod region;
 mod rows;
 mod search;
 mod simplex;
+mod windows;
 
 pub use answer::{
     AfterReset, Bounds, Checkpoints, Conclusion, Identified, IdentifyOptions, LeastError, Limit,

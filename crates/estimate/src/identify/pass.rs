@@ -5,6 +5,7 @@
 )]
 
 use std::cell::Cell as Shared;
+use std::collections::BTreeSet;
 
 use super::problem::{Course, Problem, Value};
 use super::region::scales_of;
@@ -36,14 +37,28 @@ const HALVINGS: usize = 30;
 /// and in no more where none of the first so many did.
 const ROUGHLY: usize = 8;
 
+/// States are kept at so many samples of a pass at most.
+const ANCHORS: usize = 12;
+
 /// What is asked of a pass.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Span {
     /// First and last sample.
     pub(crate) from: usize,
     pub(crate) until: usize,
-    /// Only points are wanted that are proved to agree: where any value of a parameter does, one is taken.
-    pub(crate) for_points: bool,
+    pub(crate) aim: Aim,
+}
+
+/// What a pass is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Aim {
+    /// Proved bounds.
+    Bounds,
+    /// Points that are proved to agree: where any value of a parameter does, one is taken.
+    Points,
+    /// How what is measured depends on the unknowns, whether or not they agree with it; one value is taken as for
+    /// points, and nothing but the rows is told.
+    Slopes,
 }
 
 /// Quantities at the first sample of a pass, as functions of its unknowns in the unit box.
@@ -79,8 +94,8 @@ pub(crate) struct Passed {
     pub(crate) conflict: Option<Conflict>,
     /// About how far from linear what was told depends on each axis.
     pub(crate) curvature: Vec<f64>,
-    /// The last sample that told something, and the states there.
-    pub(crate) anchor: Option<(usize, Vec<Affine>)>,
+    /// Some of the samples that told something, in order, with the states there.
+    pub(crate) anchors: Vec<(usize, Vec<Affine>)>,
 }
 
 /// Meets samples.
@@ -103,7 +118,10 @@ struct Meeter<'a> {
     next: usize,
     curvature: Vec<f64>,
     scales: Vec<(Interval, Interval)>,
-    anchor: Option<(usize, Vec<Affine>)>,
+    anchors: Vec<(usize, Vec<Affine>)>,
+    /// Samples from one anchor to the next at least.
+    apart: usize,
+    wanted: BTreeSet<usize>,
     over: &'a Shared<bool>,
 }
 
@@ -112,8 +130,14 @@ struct Meeter<'a> {
 ///
 /// Guarantee: every solution in the set that agrees with all samples on the way has unknowns that the result
 /// tells, and satisfies its rows; a conflict proves that there is none. If only points are wanted, nothing but
-/// the inner rows is proved.
-pub(crate) fn pass(problem: &Problem, course: &Course, span: Span, set: Set) -> Passed {
+/// the inner rows is proved. States are kept at samples that are `wanted`, and at a few more.
+pub(crate) fn pass(
+    problem: &Problem,
+    course: &Course,
+    span: Span,
+    set: Set,
+    wanted: BTreeSet<usize>,
+) -> Passed {
     // Rows are affine, and what is not is best known by polynomials of the next degree.
     let options = FormOptions {
         degree: Some(2),
@@ -138,7 +162,9 @@ pub(crate) fn pass(problem: &Problem, course: &Course, span: Span, set: Set) -> 
         next: span.from + 2,
         curvature: form.curvature(),
         scales: scales(&form),
-        anchor: None,
+        anchors: Vec::new(),
+        apart: 1,
+        wanted,
         over: &over,
     };
     // From one reset to the next.
@@ -172,7 +198,7 @@ pub(crate) fn pass(problem: &Problem, course: &Course, span: Span, set: Set) -> 
         reached: meeter.reached,
         conflict: meeter.conflict,
         curvature: meeter.curvature,
-        anchor: meeter.anchor,
+        anchors: meeter.anchors,
     }
 }
 
@@ -278,7 +304,7 @@ impl Meeter<'_> {
             }
         }
         let left = Interval::new(lo, hi).unwrap_or(believed);
-        if self.span.for_points {
+        if self.span.aim != Aim::Bounds {
             Interval::point(left.mid())
         } else {
             self.is_complete = false;
@@ -351,10 +377,13 @@ impl Meeter<'_> {
                 rest: strip.remainder + Interval::point(strip.centre),
                 slopes: strip.slopes,
             });
-            self.anchor = Some((sample, states.collect()));
+            self.anchor(sample, states.collect());
         } else if blurred {
             self.hidden += 1;
             self.curvature = form.curvature();
+        }
+        if self.span.aim == Aim::Slopes {
+            return;
         }
         if sample >= self.next && self.conflict.is_none() && !meeting.is_passing {
             let met = (sample - self.span.from) as f64;
@@ -369,8 +398,23 @@ impl Meeter<'_> {
         }
     }
 
+    /// Keeps the states at a sample, and in the long run of so many samples, about equally far from each other.
+    fn anchor(&mut self, sample: usize, states: Vec<Affine>) {
+        let is_wanted = self.wanted.contains(&sample);
+        if !is_wanted && (sample - self.span.from) % self.apart != 0 {
+            return;
+        }
+        self.anchors.push((sample, states));
+        if self.anchors.len() > ANCHORS + self.wanted.len() {
+            self.apart *= 2;
+            let (from, apart, wanted) = (self.span.from, self.apart, &self.wanted);
+            self.anchors
+                .retain(|(sample, _)| (sample - from) % apart == 0 || wanted.contains(sample));
+        }
+    }
+
     fn judge(&mut self, sample: usize, enclosure: Interval, told: Interval) {
-        if !enclosure.intersects(told) && !enclosure.is_empty() {
+        if self.span.aim != Aim::Slopes && !enclosure.intersects(told) && !enclosure.is_empty() {
             self.conflict.get_or_insert(Conflict::Value { sample });
         }
     }
@@ -400,7 +444,7 @@ impl Meeter<'_> {
                     form.narrow(&parts);
                     let by = scales_of(&parts);
                     self.rows.rescale(&by);
-                    let states = self.anchor.iter_mut().flat_map(|(_, states)| states);
+                    let states = self.anchors.iter_mut().flat_map(|(_, states)| states);
                     let fixed = self.later.iter_mut().chain(&mut self.factor);
                     for affine in states.chain(fixed) {
                         affine.rescale(&by);

@@ -13,6 +13,7 @@ use super::pass::Conflict;
 use super::pave::{self, Paving};
 use super::problem::Problem;
 use super::region::Region;
+use super::windows::Junctions;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use veribound_interval::Interval;
@@ -43,21 +44,20 @@ const TILES_PER_SET: usize = 20;
 /// How far around a point the first probe looks, as share of the region it was found in,
 const REACH: f64 = 0.5;
 
+/// and around the end of a climb,
+const CLOSE: f64 = 0.02;
+
 /// the next one where a probe was of little use, as share of that,
 const NEARER: f64 = 0.4;
 
-/// or farther, where it came within this share of its own size to its end,
-const FARTHER: f64 = 4.0;
-const FREE: f64 = 0.05;
-
 /// and where it ends.
-const NEAREST: f64 = 0.005;
+const NEAREST: f64 = 0.002;
 
-/// So many probes of little use end a climb.
-const IDLE: usize = 6;
+/// So many climbs of little use end it.
+const IDLE: usize = 2;
 
 /// Where no point is known, it is looked for so often, and anew after so many sets.
-const TRIES: usize = 6;
+const TRIES: i32 = 6;
 const ANEW: usize = 8;
 
 /// A probe was of use if it brought a bound nearer by this share of what was missing.
@@ -76,7 +76,8 @@ struct Best {
 
 /// What is to be looked at.
 enum Job {
-    Divide(Region),
+    /// A region, with the states that are known of its solutions,
+    Divide(Region, Vec<Junctions>),
     /// Around the best point of this quantity and side,
     Climb(usize, usize),
     /// or in the middle of a cell, where no point is known, with this reach.
@@ -94,7 +95,7 @@ struct State {
     /// For each of the quantities that bounds are wanted of the points where it is least and largest.
     best: Vec<[Option<Best>; 2]>,
     /// How often a point was looked for in vain, since so many sets, and where last.
-    tries: usize,
+    tries: i32,
     tries_since: usize,
     tried: Option<(Box<Cell>, f64)>,
     clashes: Vec<Clash>,
@@ -165,7 +166,7 @@ impl<'a> Search<'a> {
 
     /// Looks at the whole box; it is kept, and all there is, if it is excluded or comes to the end of every record.
     pub(crate) fn reaches(&mut self, quantities: &[Interval]) -> bool {
-        let job = Job::Divide(Region::of_box(quantities));
+        let job = Job::Divide(Region::of_box(quantities), Vec::new());
         let outcome = self.look_at(&job);
         let is_kept = match &outcome {
             Outcome::Left(leaf) => self.has_ended(&leaf.cell),
@@ -191,8 +192,8 @@ impl<'a> Search<'a> {
 
     fn look_at(&self, job: &Job) -> Outcome {
         let probed = match job {
-            Job::Divide(region) => {
-                return match self.problem.refine(region.clone(), true) {
+            Job::Divide(region, known) => {
+                return match self.problem.refine(region.clone(), known.clone(), true) {
                     Ok(cell) => {
                         // Regions may reach out of what is believed a little.
                         let believed = self.believed.iter().enumerate();
@@ -207,10 +208,24 @@ impl<'a> Search<'a> {
                     Err(clash) => Outcome::Gone(clash),
                 };
             }
-            Job::Climb(param, side) => self.state.best[*param][*side]
-                .as_ref()
-                .and_then(|best| self.problem.probe(&best.region, &best.point, best.reach)),
-            Job::Middle(cell, reach) => self.problem.probe(&cell.region, &cell.deepest().0, *reach),
+            Job::Climb(param, side) => self.state.best[*param][*side].as_ref().and_then(|best| {
+                let quantity = self.wanted[*param];
+                let problem = self.problem;
+                let end = problem.climb(&best.region, &best.point, quantity, *side == 1)?;
+                problem.probe(&best.region, &end, best.reach)
+            }),
+            Job::Middle(cell, reach) => {
+                let point = cell.deepest().0;
+                match self.problem.fit(&cell.region, &point) {
+                    // It agrees; the question is how much around it is proved.
+                    Some(fitted) => (0..TRIES).find_map(|nearer| {
+                        let reach = reach * NEARER.powi(nearer);
+                        let probed = self.problem.probe(&cell.region, &fitted, reach);
+                        probed.filter(|probed| !probed.points(&self.wanted).is_empty())
+                    }),
+                    None => self.problem.probe(&cell.region, &point, *reach),
+                }
+            }
         };
         let points = probed
             .as_ref()
@@ -229,16 +244,20 @@ impl<'a> Search<'a> {
                 self.state.sets += 1;
                 self.state.passes += leaf.cell.passes;
                 for point in &leaf.points {
-                    self.learn(&leaf.cell, point, REACH);
+                    self.learn(&leaf.cell, point, 1.0);
                 }
                 self.state.leaves.push(*leaf);
             }
             Outcome::Proved(cell, points) => {
-                let before = match job {
-                    Job::Climb(param, side) => self.state.best[*param][*side].clone(),
-                    _ => None,
+                let (before, looked) = match job {
+                    Job::Climb(param, side) => {
+                        let before = self.state.best[*param][*side].clone();
+                        let looked = before.as_ref().map_or(1.0, |best| best.reach);
+                        (before, looked)
+                    }
+                    Job::Middle(_, reach) => (None, *reach),
+                    Job::Divide(..) => (None, 1.0),
                 };
-                let mut ends = None;
                 if let Job::Middle(from, reach) = job {
                     self.state.tries += 1;
                     let ended = cell.clone().filter(|cell| self.has_ended(cell));
@@ -250,48 +269,34 @@ impl<'a> Search<'a> {
                 if let Some(cell) = cell {
                     self.state.passes += cell.passes;
                     for point in &points {
-                        self.learn(&cell, point, 1.0);
-                    }
-                    if let Job::Climb(param, _) = job {
-                        ends = Some(cell.region.range(self.wanted[*param], &cell.part));
+                        self.learn(&cell, point, looked);
                     }
                 }
                 if let Job::Climb(param, side) = job {
-                    self.pace(*param, *side, before, ends);
+                    self.pace(*param, *side, before);
                 }
             }
         }
     }
 
-    /// Looks nearer the best point of a quantity where the last probe brought little, and farther where nothing but
-    /// its own size, of which the quantity has all values in `ends`, was in its way.
-    fn pace(&mut self, param: usize, side: usize, before: Option<Best>, ends: Option<Interval>) {
+    /// Looks nearer the end of a climb where the last one brought little.
+    fn pace(&mut self, param: usize, side: usize, before: Option<Best>) {
         let outer = self.outer(self.wanted[param]);
         let end = if side == 0 { outer.lo() } else { outer.hi() };
         let (Some(before), Some(best)) = (before, &mut self.state.best[param][side]) else {
             return;
         };
         let missing = (end - before.value).abs();
-        let is_free = ends.is_some_and(|ends| {
-            let reached = if side == 0 {
-                best.value - ends.lo()
-            } else {
-                ends.hi() - best.value
-            };
-            best.value != before.value && reached < FREE * ends.width()
-        });
-        let is_useful = (best.value - before.value).abs() >= USEFUL * missing;
-        best.idle = if is_useful { 0 } else { before.idle + 1 };
-        // In the unknowns of the region it was found in now.
-        if is_free {
-            best.reach *= FARTHER;
-        } else if !is_useful {
-            best.reach *= NEARER;
+        if (best.value - before.value).abs() >= USEFUL * missing {
+            best.idle = 0;
+        } else {
+            best.idle = before.idle + 1;
+            best.reach = NEARER * before.reach;
         }
     }
 
-    /// Takes in a proved point; the next probe around it looks so far, as share of what is left of its cell.
-    fn learn(&mut self, cell: &Cell, point: &[f64], reach: f64) {
+    /// Takes in a proved point of a cell that was made by looking so far around another one, as share of a region.
+    fn learn(&mut self, cell: &Cell, point: &[f64], looked: f64) {
         let at: Vec<Interval> = point.iter().map(|x| Interval::point(*x)).collect();
         let box_: Vec<Interval> = (0..self.believed.len())
             .map(|i| cell.region.range(i, &at))
@@ -313,11 +318,17 @@ impl<'a> Search<'a> {
                 });
                 if is_better {
                     is_new = true;
+                    // As large as that region, so that lengths keep their meaning.
+                    let larger = cell.part.iter().map(|x| {
+                        let (middle, radius) = x.mid_rad();
+                        Interval::point(middle) + Interval::symmetric(radius / looked)
+                    });
+                    let larger: Vec<Interval> = larger.collect();
                     *best = Some(Best {
-                        region: cell.region.part(&cell.part),
-                        point: inside(&cell.part, point),
+                        region: cell.region.part(&larger),
+                        point: inside(&larger, point),
                         value,
-                        reach,
+                        reach: CLOSE,
                         idle: best.as_ref().map_or(0, |best| best.idle),
                     });
                 }
@@ -443,7 +454,7 @@ impl<'a> Search<'a> {
     /// is spent.
     pub(crate) fn run(&mut self, region: Option<Region>, keep: &Keep<'_>) {
         let mut jobs: Vec<Job> = match region {
-            Some(region) => vec![Job::Divide(region)],
+            Some(region) => vec![Job::Divide(region, Vec::new())],
             None => self.next_jobs(),
         };
         let patience = PATIENCE.1.max(self.options.sets / PATIENCE.0);
@@ -557,8 +568,8 @@ impl<'a> Search<'a> {
         for position in chosen {
             match self.state.leaves[position].cell.halves() {
                 Some(halves) => {
-                    self.state.leaves.swap_remove(position);
-                    jobs.extend(halves.map(Job::Divide));
+                    let known = self.state.leaves.swap_remove(position).cell.junctions;
+                    jobs.extend(halves.map(|half| Job::Divide(half, known.clone())));
                 }
                 None => self.state.leaves[position].is_atom = true,
             }

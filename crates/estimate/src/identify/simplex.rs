@@ -22,6 +22,9 @@ const TOLERANCE: f64 = 1e-11;
 /// Steps per unknown before the vertex at hand has to do.
 const MOST_STEPS: usize = 60;
 
+/// So many rows are looked at more closely at once.
+const COLLECTED: usize = 12;
+
 /// Which side of rows a program respects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Side {
@@ -56,6 +59,9 @@ pub(crate) struct Program<'a> {
     chosen: Vec<usize>,
     bounds: Vec<(f64, f64)>,
     sizes: Vec<f64>,
+    /// The slopes of the chosen rows that are not zero, with their unknowns, and where each row's begin.
+    sparse: Vec<(usize, f64)>,
+    begins: Vec<usize>,
 }
 
 impl<'a> Program<'a> {
@@ -67,6 +73,8 @@ impl<'a> Program<'a> {
             chosen: Vec::new(),
             bounds: Vec::new(),
             sizes: Vec::new(),
+            sparse: Vec::new(),
+            begins: vec![0],
         };
         let centre: Vec<(f64, f64)> = part.iter().map(|x| (x.mid(), x.rad())).collect();
         for row in 0..rows.len() {
@@ -90,6 +98,11 @@ impl<'a> Program<'a> {
                 program.chosen.push(row);
                 program.bounds.push((lo, hi));
                 program.sizes.push(size);
+                let entries = slopes.iter().copied().enumerate();
+                program
+                    .sparse
+                    .extend(entries.filter(|(_, slope)| *slope != 0.0));
+                program.begins.push(program.sparse.len());
             }
         }
         program
@@ -107,9 +120,15 @@ impl<'a> Program<'a> {
         let mut inverse = vec![0.0; n * n];
         (0..n).for_each(|i| inverse[i * n + i] = 1.0);
         let mut point = vec![0.0; n];
+        // Rows that were violated anywhere on the way: most never are, and need not be asked at every step.
+        let mut pool: Vec<usize> = Vec::new();
         for _ in 0..MOST_STEPS * (n + 1) {
             self.place(&tight, &inverse, &mut point);
-            let Some((entering, sign)) = self.most_violated(&point, &tight) else {
+            let mut violated = self.most_violated(&point, &tight, &pool);
+            if violated.is_none() && self.collect(&point, &mut pool) {
+                violated = self.most_violated(&point, &tight, &pool);
+            }
+            let Some((entering, sign)) = violated else {
                 break;
             };
             // The entering row as a sum of those that hold the vertex.
@@ -203,35 +222,60 @@ impl<'a> Program<'a> {
         }
     }
 
-    /// The constraint that the point violates most, and its side: 1 where it is too small.
-    fn most_violated(&self, point: &[f64], tight: &[(Tight, f64)]) -> Option<(Tight, f64)> {
+    /// By how much of its size a row is violated, and its side: 1 where it is too small.
+    fn violation(&self, position: usize, point: &[f64]) -> (f64, f64) {
+        let entries = &self.sparse[self.begins[position]..self.begins[position + 1]];
+        let x: f64 = entries.iter().map(|(v, g)| g * point[*v]).sum();
+        let (lo, hi) = self.bounds[position];
+        outside(x, (lo, hi), self.sizes[position])
+    }
+
+    /// The constraint that the point violates most, of all unknowns and the rows in `pool`.
+    fn most_violated(
+        &self,
+        point: &[f64],
+        tight: &[(Tight, f64)],
+        pool: &[usize],
+    ) -> Option<(Tight, f64)> {
         let mut worst = TOLERANCE;
         let mut found = None;
-        let mut ask = |held: Tight, x: f64, (lo, hi): (f64, f64), size: f64| {
-            let (below, above) = ((lo - x) / size, (x - hi) / size);
-            if below > worst || above > worst {
-                let sign = if below >= above { 1.0 } else { -1.0 };
-                if !tight.contains(&(held, sign)) {
-                    worst = below.max(above);
-                    found = Some((held, sign));
-                }
+        let mut ask = |held: Tight, (by, sign): (f64, f64)| {
+            if by > worst && !tight.contains(&(held, sign)) {
+                worst = by;
+                found = Some((held, sign));
             }
         };
         for (v, x) in point.iter().enumerate() {
             let bounds = (self.part[v].lo(), self.part[v].hi());
-            ask(Tight::Unknown(v), *x, bounds, 1.0);
+            ask(Tight::Unknown(v), outside(*x, bounds, 1.0));
         }
-        for (position, row) in self.chosen.iter().enumerate() {
-            let slopes = self.rows.slopes(*row);
-            let x: f64 = slopes.iter().zip(point).map(|(g, x)| g * x).sum();
-            ask(
-                Tight::Row(position),
-                x,
-                self.bounds[position],
-                self.sizes[position],
-            );
+        for position in pool {
+            ask(Tight::Row(*position), self.violation(*position, point));
         }
         found
+    }
+
+    /// Takes the rows that the point violates most into the pool, if there are any that are not in it.
+    fn collect(&self, point: &[f64], pool: &mut Vec<usize>) -> bool {
+        let violations = (0..self.chosen.len()).map(|position| self.violation(position, point).0);
+        let mut violated: Vec<(f64, usize)> = violations
+            .zip(0..)
+            .filter(|(by, position)| *by > TOLERANCE && !pool.contains(position))
+            .collect();
+        violated.sort_by(|a, b| b.0.total_cmp(&a.0));
+        violated.truncate(COLLECTED);
+        pool.extend(violated.iter().map(|(_, position)| *position));
+        !violated.is_empty()
+    }
+}
+
+/// By how much of its size a number is outside of bounds, and on which side: 1 where it is too small.
+fn outside(x: f64, (lo, hi): (f64, f64), size: f64) -> (f64, f64) {
+    let (below, above) = ((lo - x) / size, (x - hi) / size);
+    if below >= above {
+        (below, 1.0)
+    } else {
+        (above, -1.0)
     }
 }
 
@@ -295,4 +339,48 @@ fn combined(
     }
     let left = rest.iter().zip(part);
     left.fold(sum, |sum, (rest, x)| sum + *rest * *x)
+}
+
+/// How far outside of rows, as multiple of half of what they allow, a point may have to be.
+const DEEP: f64 = 1024.0;
+
+/// About the unknowns that are farthest from the ends of all rows, as share of what each allows in the box `part`:
+/// inside of them, or where that is not possible, as little outside as can be; and how far that is.
+pub(crate) fn deepest(rows: &Rows, part: &[Interval]) -> (Vec<f64>, f64) {
+    let n = part.len();
+    let mut sides = Rows::new(n + 1);
+    let mut is_used = vec![false; n];
+    for row in 0..rows.len() {
+        let outer = rows.outer(row);
+        let slopes = rows.slopes(row);
+        let reach: f64 = slopes
+            .iter()
+            .zip(part)
+            .map(|(g, x)| g.abs() * x.rad())
+            .sum();
+        let depth = 0.5 * DEEP * outer.width().min(reach);
+        for (is_used, slope) in is_used.iter_mut().zip(slopes) {
+            *is_used |= *slope != 0.0;
+        }
+        let half = |lo: f64, hi: f64| Interval::new(lo, hi).unwrap_or(Interval::ENTIRE);
+        let both = [
+            (half(outer.lo(), f64::INFINITY), -depth),
+            (half(f64::NEG_INFINITY, outer.hi()), depth),
+        ];
+        for (side, depth) in both.into_iter().filter(|side| side.0 != Interval::ENTIRE) {
+            sides.push(&[slopes, &[depth]].concat(), Interval::ZERO, side, 0, 0);
+        }
+    }
+    let mut whole = part.to_vec();
+    whole.push(Interval::symmetric(1.0));
+    let mut direction = vec![0.0; n + 1];
+    direction[n] = -1.0;
+    let vertex = Program::new(&sides, &whole, Side::Outer).minimize(&direction);
+    let mut point = vertex.point;
+    let depth = point.pop().unwrap_or(f64::NEG_INFINITY);
+    // An unknown that no row depends on is anywhere.
+    for (v, x) in point.iter_mut().enumerate().filter(|(v, _)| !is_used[*v]) {
+        *x = part[v].mid();
+    }
+    (point, depth)
 }

@@ -1,0 +1,406 @@
+//! Windows: stretches of a record that are passed with start states of their own, where one form does not come to its
+//! end, and what all of them say together.
+//!
+//! Parameters are the same in all windows, and the states that one window comes to are those that the next one begins
+//! with. The unknowns of all windows and these equations are one system of rows: what a sample says goes on through the
+//! states to all windows, though no form does.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: unknowns, rows and records of the same region and problem"
+)]
+
+use std::collections::BTreeMap;
+
+use super::cell::BELIEVED;
+use super::eigen::eigenvectors;
+use super::pass::{Aim, Conflict, Passed, Span, contract, pass};
+use super::problem::Problem;
+use super::region::{Region, scales_of};
+use super::rows::{Affine, Rows};
+use super::simplex::{Program, Side, deepest};
+use veribound_flow::form::Parallelotope;
+use veribound_interval::Interval;
+
+/// Later windows are left for the next round when one leaves less than this share of an axis.
+const ENOUGH: f64 = 0.6;
+
+/// States are known about as well where they are this much wider.
+const AS_WELL: f64 = 2.0;
+
+/// Where one window goes over to the next, what is no function of its unknowns should be less than this share.
+const LOST: f64 = 0.2;
+
+/// Samples of a record at which states are known, and these.
+pub(crate) type Junctions = BTreeMap<usize, Vec<Interval>>;
+
+/// How well each state is known at junctions, in the mean.
+pub(crate) fn widths(junctions: &[Junctions]) -> Vec<f64> {
+    let boxes = || junctions.iter().flat_map(Junctions::values);
+    let states = boxes().next().map_or(0, Vec::len);
+    let mean = |state: usize| {
+        let sum: f64 = boxes().map(|box_| box_[state].width()).sum();
+        sum / boxes().count() as f64
+    };
+    (0..states).map(mean).collect()
+}
+
+/// A passed window of a record.
+pub(crate) struct Window {
+    /// Of its unknowns the states at its begin are first, where they are its own.
+    pub(crate) passed: Passed,
+    /// The axes of the region that its other unknowns are.
+    pub(crate) kept: Vec<usize>,
+    pub(crate) record: usize,
+    /// How the window before leads to its own start states.
+    pub(crate) link: Option<Link>,
+}
+
+/// Where one window goes over to the next.
+pub(crate) struct Link {
+    sample: usize,
+    /// States there, in the unknowns of the window before,
+    states: Vec<Affine>,
+    /// and as what the next one begins with.
+    starts: Region,
+}
+
+impl Window {
+    /// How many unknowns are its own.
+    fn own(&self) -> usize {
+        self.link.as_ref().map_or(0, |link| link.starts.axes())
+    }
+}
+
+impl Problem {
+    /// Goes on behind the last of `windows`, with start states of their own, to the end of its record; where they are
+    /// `known` at some samples, this is taken.
+    pub(crate) fn later_windows(
+        &self,
+        region: &Region,
+        known: &Junctions,
+        windows: &mut Vec<Window>,
+        passes: &mut usize,
+    ) -> Result<(), (usize, Conflict)> {
+        let Some(record) = windows.last().map(|window| window.record) else {
+            return Ok(());
+        };
+        let course = &self.courses[record];
+        let until = course.end();
+        let (own, kept) = region.rows_of(&self.fixed_of(record));
+        let mut from = 0;
+        let first = windows.last().and_then(|window| {
+            let part = contract(&window.passed.rows).ok()?;
+            anchored(&window.passed, &part, from, known)
+        });
+        let mut link = first;
+        while let Some(next) = link {
+            from = next.sample;
+            let fresh = next.starts.axes();
+            let zeros = |count: usize| vec![0.0; count];
+            let widened = next.starts.axes.iter();
+            let widened = widened.map(|row| [&row[..], &zeros(kept.len())].concat());
+            let shifted = own.axes.iter().map(|row| [&zeros(fresh)[..], row].concat());
+            let rows = Parallelotope {
+                centre: [&next.starts.centre[..], &own.centre].concat(),
+                axes: widened.chain(shifted).collect(),
+                rest: [&next.starts.rest[..], &own.rest].concat(),
+            };
+            let span = Span {
+                from,
+                until,
+                aim: Aim::Bounds,
+            };
+            *passes += 1;
+            let wanted = known.range(from..).map(|(sample, _)| *sample).collect();
+            let mut passed = pass(self, course, span, self.set(record, rows), wanted);
+            if let Some(conflict) = passed.conflict {
+                return Err((record, conflict));
+            }
+            passed.rows.prune();
+            let part = contract(&passed.rows).map_err(|conflict| (record, conflict))?;
+            let ended = passed.reached == until;
+            link = anchored(&passed, &part, from, known).filter(|_| !ended);
+            let both = passed.scales[fresh..].iter().zip(&part[fresh..]);
+            let shrunk = both.map(|(scale, x)| scale.1.hi() * x.rad());
+            let shrunk = shrunk.fold(1.0, f64::min);
+            windows.push(Window {
+                passed,
+                kept: kept.clone(),
+                record,
+                link: Some(next),
+            });
+            // A narrower set goes farther.
+            if shrunk < ENOUGH {
+                break;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The last sample after `from` at which states are known about as well as anywhere on the way of a pass: what comes
+/// after a sample tells as much of it as what was before, so that this is seldom the last one of all.
+fn anchored(passed: &Passed, part: &[Interval], from: usize, known: &Junctions) -> Option<Link> {
+    let program = Program::new(&passed.rows, part, Side::Outer);
+    let later = passed.anchors.iter().filter(|anchor| anchor.0 > from);
+    let boxes: Vec<(&(usize, Vec<Affine>), Vec<Interval>)> = later
+        .map(|anchor| {
+            let around = |state: &Affine| program.bounds(&state.slopes) + state.rest;
+            let mut box_: Vec<Interval> = anchor.1.iter().map(around).collect();
+            for (x, known) in box_
+                .iter_mut()
+                .zip(known.get(&anchor.0).into_iter().flatten())
+            {
+                *x = x.intersect(*known);
+            }
+            (anchor, box_)
+        })
+        .filter(|(_, box_)| box_.iter().all(|x| x.is_bounded() && !x.is_empty()))
+        .collect();
+    let least: Vec<f64> = (0..boxes.first()?.1.len())
+        .map(|state| {
+            let widths = boxes.iter().map(|(_, box_)| box_[state].width());
+            widths.fold(f64::INFINITY, f64::min)
+        })
+        .collect();
+    let wider = |box_: &[Interval]| {
+        let pairs = box_.iter().zip(&least);
+        let shares = pairs.map(|(x, least)| x.width() / least.max(f64::MIN_POSITIVE));
+        shares.filter(|share| share.is_finite()).fold(1.0, f64::max)
+    };
+    let best = boxes.iter().map(|(_, box_)| wider(box_));
+    let best = best.fold(f64::INFINITY, f64::min);
+    let as_well = boxes
+        .iter()
+        .filter(|(_, box_)| wider(box_) <= AS_WELL * best);
+    let is_linked = |(anchor, box_): &&(&(usize, Vec<Affine>), Vec<Interval>)| {
+        let mut states = anchor.1.iter().zip(box_);
+        states.all(|(state, x)| state.rest.width() <= LOST * x.width())
+    };
+    let linked = as_well.clone().rev().find(is_linked);
+    let (anchor, box_) = linked.or_else(|| as_well.last())?;
+    Some(Link {
+        sample: anchor.0,
+        states: anchor.1.clone(),
+        starts: Region::of_box(box_),
+    })
+}
+
+/// The parts of the axes of a region that all windows leave, as scales.
+pub(crate) fn common(
+    windows: &[Window],
+    axes: usize,
+) -> Result<Vec<(Interval, Interval)>, (usize, Conflict)> {
+    let unit = Interval::symmetric(1.0);
+    if let [window] = windows {
+        let mut scales = vec![(Interval::ZERO, Interval::ONE); axes];
+        for (axis, scale) in window.kept.iter().zip(&window.passed.scales) {
+            scales[*axis] = *scale;
+        }
+        return Ok(scales);
+    }
+    let mut part = vec![unit; axes];
+    for window in windows {
+        let scales = &window.passed.scales[window.own()..];
+        for (axis, (middle, radius)) in window.kept.iter().zip(scales) {
+            part[*axis] = part[*axis].intersect(*middle + *radius * unit);
+        }
+    }
+    if let Some(axis) = part.iter().position(|x| x.is_empty()) {
+        let told = windows.iter().filter(|window| window.kept.contains(&axis));
+        let samples = told.map(|window| (window.passed.reached, window.record));
+        let samples = samples.collect();
+        return Err((0, Conflict::Rows { samples }));
+    }
+    Ok(scales_of(&part))
+}
+
+/// Unknowns `common.0 + common.1 δ'` in terms of `own.0 + own.1 δ`.
+fn into(own: &(Interval, Interval), common: &(Interval, Interval)) -> (Interval, Interval) {
+    if own == common {
+        return (Interval::ZERO, Interval::ONE);
+    }
+    if own.1.contains(0.0) {
+        return (Interval::ENTIRE, Interval::ENTIRE);
+    }
+    ((common.0 - own.0) / own.1, common.1 / own.1)
+}
+
+/// What windows say together.
+pub(crate) struct Joined {
+    /// Of the axes of the region.
+    pub(crate) rows: Rows,
+    /// By record.
+    pub(crate) junctions: Vec<Junctions>,
+    /// The axes of the deepest point, where all windows were looked at together.
+    pub(crate) deepest: Option<(Vec<f64>, f64)>,
+}
+
+/// What all windows say of the axes of the region in the common scales, and the states at the begins of windows, by
+/// record; windows with so many unknowns of their own are looked at together.
+pub(crate) fn joined(
+    mut windows: Vec<Window>,
+    scales: &[(Interval, Interval)],
+    together_at_most: usize,
+) -> Result<Joined, (usize, Conflict)> {
+    for position in 0..windows.len() {
+        let window = &windows[position];
+        let own = window.own();
+        let mut to_common = vec![(Interval::ZERO, Interval::ONE); own];
+        let kept = window.kept.iter().zip(&window.passed.scales[own..]);
+        to_common.extend(kept.map(|(axis, own)| into(own, &scales[*axis])));
+        windows[position].passed.rows.rescale(&to_common);
+        if let Some(Window {
+            link: Some(link), ..
+        }) = windows.get_mut(position + 1)
+        {
+            for state in &mut link.states {
+                state.rescale(&to_common);
+            }
+        }
+    }
+    let axes = scales.len();
+    let mut rows = Rows::new(axes);
+    let records = windows.last().map_or(0, |window| window.record + 1);
+    let mut junctions = vec![Junctions::new(); records];
+    for window in windows.iter().filter(|window| window.link.is_none()) {
+        rows.take(&window.passed.rows, &window.kept, window.record);
+    }
+    let (mut begin, mut deepest) = (0, None);
+    while begin < windows.len() {
+        let (mut end, mut fresh) = (begin, 0);
+        while end < windows.len()
+            && (end == begin || fresh + windows[end].own() <= together_at_most)
+        {
+            fresh += windows[end].own();
+            end += 1;
+        }
+        if fresh > 0 {
+            let (told, deep) = together(&windows[begin..end], (fresh, axes), &mut junctions)?;
+            deepest = deep.filter(|_| begin == 0 && end == windows.len());
+            let all: Vec<usize> = (0..axes).collect();
+            let record = windows[begin].record;
+            rows.take(&told, &all, record);
+        }
+        begin = end;
+    }
+    Ok(Joined {
+        rows,
+        junctions,
+        deepest,
+    })
+}
+
+/// What windows say of the axes; the unknowns of their own are projected away, and the states where they begin are told.
+fn together(
+    windows: &[Window],
+    (fresh, axes): (usize, usize),
+    junctions: &mut [Junctions],
+) -> Result<(Rows, Option<(Vec<f64>, f64)>), (usize, Conflict)> {
+    let mut rows = Rows::new(fresh + axes);
+    let mut columns: Vec<Vec<usize>> = Vec::with_capacity(windows.len());
+    let mut begin = 0;
+    for (position, window) in windows.iter().enumerate() {
+        let own = begin..begin + window.own();
+        begin = own.end;
+        let kept = window.kept.iter().map(|axis| fresh + axis);
+        columns.push(own.clone().chain(kept).collect());
+        rows.take(&window.passed.rows, &columns[position], window.record);
+        let Some(link) = window.link.as_ref().filter(|_| position > 0) else {
+            continue;
+        };
+        let starts = link.starts.rescaled(&window.passed.scales[..own.len()]);
+        for (state, before) in link.states.iter().enumerate() {
+            let mut slopes = vec![0.0; fresh + axes];
+            for (column, slope) in columns[position - 1].iter().zip(&before.slopes) {
+                slopes[*column] = *slope;
+            }
+            for (column, slope) in own.clone().zip(&starts.axes[state]) {
+                slopes[column] = -slope;
+            }
+            let rest = before.rest - starts.offset(state);
+            rows.push(&slopes, rest, Interval::ZERO, BELIEVED, window.record);
+        }
+    }
+    rows.prune();
+    let part = contract(&rows).map_err(|conflict| (windows[0].record, conflict))?;
+    for (window, columns) in windows.iter().zip(&columns) {
+        let Some(link) = &window.link else { continue };
+        let own = columns[..window.own()].iter().map(|column| part[*column]);
+        let own: Vec<Interval> = own.collect();
+        let starts = link.starts.rescaled(&window.passed.scales[..window.own()]);
+        let box_ = (0..starts.centre.len()).map(|state| starts.range(state, &own));
+        junctions[window.record].insert(link.sample, box_.collect());
+    }
+    let (point, depth) = deepest(&rows, &part);
+    let point = point.get(fresh..).map(<[f64]>::to_vec);
+    let deep = point.map(|point| (point, depth));
+    Ok((projected(&rows, &part, fresh), deep))
+}
+
+/// What rows say of all unknowns but the first `fresh`.
+fn projected(rows: &Rows, part: &[Interval], fresh: usize) -> Rows {
+    let n = part.len();
+    let matrix = information(rows, part);
+    // What is left of the information when the first unknowns are free.
+    let mut left = matrix;
+    for v in 0..fresh {
+        let pivot = left[v * n + v];
+        if pivot <= 0.0 {
+            continue;
+        }
+        for i in 0..n {
+            let factor = left[i * n + v] / pivot;
+            for l in 0..n {
+                if i != v {
+                    left[i * n + l] -= factor * left[v * n + l];
+                }
+            }
+        }
+    }
+    let kept = n - fresh;
+    let corner: Vec<f64> = (fresh..n)
+        .flat_map(|i| left[i * n + fresh..(i + 1) * n].to_vec())
+        .collect();
+    let mut directions = eigenvectors(kept, &corner);
+    directions.extend((0..kept).map(|v| {
+        let mut unit = vec![0.0; kept];
+        unit[v] = 1.0;
+        unit
+    }));
+    let program = Program::new(rows, part, Side::Outer);
+    let mut told = Rows::new(kept);
+    let sample = (0..rows.len()).map(|row| rows.origin(row).0).max();
+    for direction in directions {
+        let whole = [&vec![0.0; fresh][..], &direction].concat();
+        let bounds = program.bounds(&whole);
+        if bounds.is_bounded() {
+            told.push(&direction, Interval::ZERO, bounds, sample.unwrap_or(0), 0);
+        }
+    }
+    told
+}
+
+/// How much rows say of the directions of unknowns, seen from a part of their box: a hint.
+pub(crate) fn information(rows: &Rows, part: &[Interval]) -> Vec<f64> {
+    let n = part.len();
+    let mut matrix = vec![0.0; n * n];
+    for row in 0..rows.len() {
+        let slopes = rows.slopes(row);
+        let reach: f64 = slopes
+            .iter()
+            .zip(part)
+            .map(|(g, x)| g.abs() * x.rad())
+            .sum();
+        let width = rows.outer(row).rad().max(1e-30);
+        if reach < width {
+            continue;
+        }
+        for i in 0..n {
+            for l in 0..n {
+                matrix[i * n + l] += slopes[i] * slopes[l] / (width * width);
+            }
+        }
+    }
+    matrix
+}
