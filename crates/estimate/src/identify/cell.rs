@@ -71,12 +71,20 @@ pub(crate) struct Clash {
 impl Problem {
     /// The quantities that a pass through a record needs beside states: parameters, their values after resets, and
     /// the factor of errors.
-    fn fixed_of(&self, record: usize) -> Vec<usize> {
+    fn fixed_of(&self, record: usize, for_points: bool) -> Vec<usize> {
         let factor = self.factor_position();
-        self.params()
-            .chain(self.later(record))
-            .chain(factor)
-            .collect()
+        let later = self.later(record).take(self.count(record, for_points));
+        self.params().chain(later).chain(factor).collect()
+    }
+
+    /// Number of values after resets, and of inputs, that a pass through a record knows.
+    fn count(&self, record: usize, for_points: bool) -> usize {
+        let course = &self.courses[record];
+        if for_points {
+            course.later.len()
+        } else {
+            course.firm
+        }
     }
 
     /// Narrows a region round by round, until samples tell no more of it; the region may be turned where that is
@@ -132,7 +140,8 @@ impl Problem {
         let mut reached = Vec::new();
         let mut parts = Vec::new();
         for (record, course) in self.courses.iter().enumerate() {
-            let starts = self.starts(record).chain(self.fixed_of(record));
+            let fixed = self.fixed_of(record, !has_windows);
+            let starts = self.starts(record).chain(fixed);
             let (rows, kept) = region.rows_of(&starts.collect::<Vec<_>>());
             let until = course.end();
             if course.instants.is_empty() {
@@ -145,7 +154,7 @@ impl Problem {
                 for_points: !has_windows,
             };
             *passes += 1;
-            let passed = pass(self, course, span, self.set(record, rows));
+            let passed = pass(self, course, span, self.set(record, rows, !has_windows));
             if let Some(conflict) = passed.conflict {
                 return Err((record, conflict));
             }
@@ -230,8 +239,9 @@ impl Problem {
 
 impl Problem {
     /// Rows of states and of [`Problem::fixed_of`] as what a pass moves.
-    fn set(&self, record: usize, mut rows: Parallelotope) -> Set {
+    fn set(&self, record: usize, mut rows: Parallelotope, for_points: bool) -> Set {
         let moved = self.layout.states + self.layout.params;
+        let axes_of_one = rows.axes.first().map_or(0, Vec::len);
         let rest = rows.rest.split_off(moved);
         let centre = rows.centre.split_off(moved);
         let axes = rows.axes.split_off(moved);
@@ -240,7 +250,13 @@ impl Problem {
             slopes,
             rest: Interval::point(centre) + Interval::symmetric(rest),
         });
-        let later = self.courses[record].later.len();
+        let later = self.count(record, for_points);
+        // A pass begins by giving inputs that are parameters their values.
+        for _ in self.layout.params..self.moved(for_points).params {
+            rows.centre.push(0.0);
+            rows.axes.push(vec![0.0; axes_of_one]);
+            rows.rest.push(0.0);
+        }
         Set {
             moved: rows,
             later: affine.by_ref().take(later).collect(),
@@ -280,7 +296,7 @@ impl Problem {
     ) -> Result<(), (usize, Conflict)> {
         let course = &self.courses[record];
         let until = course.end();
-        let (own, kept) = region.rows_of(&self.fixed_of(record));
+        let (own, kept) = region.rows_of(&self.fixed_of(record, false));
         let mut from = 0;
         let mut states = parts.last().and_then(|(passed, ..)| {
             let part = contract(&passed.rows).ok()?;
@@ -306,7 +322,7 @@ impl Problem {
                 for_points: false,
             };
             *passes += 1;
-            let mut passed = pass(self, course, span, self.set(record, rows));
+            let mut passed = pass(self, course, span, self.set(record, rows, false));
             if let Some(conflict) = passed.conflict {
                 return Err((record, conflict));
             }

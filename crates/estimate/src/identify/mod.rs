@@ -4,6 +4,7 @@ mod answer;
 mod cell;
 mod eigen;
 mod gross;
+mod held;
 mod pass;
 mod pave;
 mod problem;

@@ -6,7 +6,7 @@
 
 use std::cell::Cell as Shared;
 
-use super::problem::{Course, Problem, Value};
+use super::problem::{Course, Moved, Problem, Value};
 use super::region::scales_of;
 use super::rows::{Affine, Rows, Scaled};
 use super::simplex::{Program, Side, minimum, refutes};
@@ -86,6 +86,7 @@ pub(crate) struct Passed {
 /// Meets samples.
 struct Meeter<'a> {
     problem: &'a Problem,
+    moved: &'a Moved,
     course: &'a Course,
     span: Span,
     /// Sample at the begin of the journey at hand, and at its end.
@@ -119,10 +120,12 @@ pub(crate) fn pass(problem: &Problem, course: &Course, span: Span, set: Set) -> 
         degree: Some(2),
         ..FormOptions::default()
     };
-    let mut form = problem.flow.start_in(&set.moved, options);
+    let moved = problem.moved(span.for_points);
+    let mut form = moved.flow.start_in(&set.moved, options);
     let over = Shared::new(false);
     let mut meeter = Meeter {
         problem,
+        moved,
         course,
         span,
         begin: span.from,
@@ -145,7 +148,7 @@ pub(crate) fn pass(problem: &Problem, course: &Course, span: Span, set: Set) -> 
     loop {
         meeter.renew(&mut form);
         let begin = meeter.begin;
-        let reset = course.next_reset(begin + 1, span.until + 1);
+        let reset = course.next_reset(begin + 1, span.until + 1, moved.params);
         meeter.end = reset.unwrap_or(span.until).max(begin);
         let stretches = &course.stretches[begin..meeter.end];
         let steps = Shared::new(0);
@@ -157,10 +160,10 @@ pub(crate) fn pass(problem: &Problem, course: &Course, span: Span, set: Set) -> 
             steps.set(steps.get() + 1);
             !over.get() && steps.get() <= MOST_STEPS
         };
-        let moved = problem.flow.follow(form, stretches, meet, &go_on);
-        meeter.is_complete &= moved.is_ok();
+        let done = moved.flow.follow(form, stretches, meet, &go_on);
+        meeter.is_complete &= done.is_ok();
         match meeter.arrived.take() {
-            Some(arrived) if reset.is_some() && moved.is_ok() && !over.get() => form = arrived,
+            Some(arrived) if reset.is_some() && done.is_ok() && !over.get() => form = arrived,
             _ => break,
         }
         meeter.begin = meeter.end;
@@ -194,14 +197,16 @@ impl Meeter<'_> {
     /// First all of them: what is known of one must not rest on what another was before.
     fn renew(&mut self, form: &mut Form) {
         let is_first = self.begin == self.span.from;
-        let resets = &self.course.instants[self.begin].resets;
+        let instant = &self.course.instants[self.begin];
         let mut passing = Vec::new();
-        for param in 0..self.problem.layout.params {
-            if !is_first && !resets.contains(&param) {
+        for param in 0..self.moved.params {
+            let is_new = instant.resets.contains(&param) || instant.changes.contains(&param);
+            if !is_first && !is_new {
                 continue;
             }
             match self.course.value(param, self.begin) {
                 Value::First => {}
+                Value::Recorded(value) => form.set_param(param, &[], value),
                 Value::Later(position) => {
                     let later = &self.later[position];
                     form.set_param(param, &later.slopes, later.rest);
@@ -232,17 +237,17 @@ impl Meeter<'_> {
         let mut params = form.param_box();
         let mut after = |part: Interval| {
             params[param] = part;
-            self.problem.flow.box_after(&states, &params, stretch)
+            self.moved.flow.box_after(&states, &params, stretch)
         };
         let is_told = self.problem.is_told_of[param];
         if !is_told && after(believed).is_some_and(|after| after.rests) {
             return Interval::point(believed.mid());
         }
         // What a state is at a sample may be after a jump there, which other inputs and parameters decide.
-        let may_cut = !self.problem.flow.has_jumps();
+        let may_cut = !self.moved.flow.has_jumps();
         let told = course.instants[self.begin + 1].told.iter();
         let told = told.filter(|_| may_cut).filter_map(|(quantity, told)| {
-            let state = self.problem.quantities[*quantity].state()?;
+            let state = self.moved.quantities[*quantity].state()?;
             let is_output = *quantity < self.problem.outputs;
             let factor = self.factor.as_ref().filter(|_| is_output);
             let scaled = factor.and_then(|factor| Scaled::of(*told, factor));
@@ -301,14 +306,14 @@ impl Meeter<'_> {
         let inputs = &instant.inputs;
         let form = meeting.form;
         let both = self.course.inputs_at(sample);
-        if self.problem.flow.may_jump(form, &both) {
+        if self.moved.flow.may_jump(form, &both) {
             self.is_complete = false;
             return;
         }
         let factor = self.factor.clone();
         let (mut clear, mut blurred) = (false, false);
         for (quantity, told) in &instant.told {
-            let on_forms = &self.problem.quantities[*quantity];
+            let on_forms = &self.moved.quantities[*quantity];
             let Ok(strip) = form.strip(on_forms, inputs) else {
                 self.is_complete = false;
                 continue;

@@ -633,16 +633,19 @@ impl<'a> Search<'a> {
     /// What is known of the values that parameters have after resets.
     fn resets(&self, record: usize) -> Vec<AfterReset> {
         let course = &self.problem.courses[record];
-        let bounds = self.bounds(self.problem.later(record));
-        let both = course.later.iter().zip(bounds);
         let time = |sample: usize| course.instants[sample].time.clone();
-        both.map(|(later, bounds)| AfterReset {
-            param: later.param,
-            from: time(later.from),
-            until: time(later.until.min(course.end())),
-            bounds,
-        })
-        .collect()
+        let after = self.problem.after_resets(record);
+        after
+            .map(|(later, quantity)| AfterReset {
+                param: later.param,
+                from: time(later.from),
+                until: time(later.until.min(course.end())),
+                bounds: Bounds {
+                    outer: self.outer(quantity),
+                    inner: self.inner(quantity),
+                },
+            })
+            .collect()
     }
 
     /// The least factor of errors that is not excluded, and the least with which a point is proved to agree, with its

@@ -154,10 +154,16 @@ fn put_weakening(table: &mut Table, given: &Weakening, assumptions: &[String]) {
     let mut put = |name: &str, value: Value| table.insert(name.to_owned(), value);
     put("reset", texts(given.reset.iter().map(|flag| &flag.text)));
     for (name, flags) in [
-        ("input_error", &given.input_error),
-        ("output_error", &given.output_error),
+        (
+            "input_error",
+            texts(given.input_error.iter().map(|flag| &flag.text)),
+        ),
+        (
+            "output_error",
+            texts(given.output_error.iter().map(|flag| &flag.text)),
+        ),
     ] {
-        put(name, texts(flags.iter().map(|flag| &flag.text)));
+        put(name, flags);
     }
     put("assumptions", texts(assumptions));
 }
