@@ -116,11 +116,12 @@ impl Problem {
 
     /// One round for a small region around a point, only to find points that are proved to agree.
     ///
-    /// The point is given in the unknowns of `region`, and `reach` says how far around it.
-    pub(crate) fn probe(&self, region: &Region, point: &[f64], reach: f64) -> Option<Cell> {
+    /// The point is given in the unknowns of `region`, and `reaches` says how far around it.
+    pub(crate) fn probe(&self, region: &Region, point: &[f64], reaches: &[f64]) -> Option<Cell> {
         let part: Vec<Interval> = point
             .iter()
-            .map(|x| Interval::point(*x).inflate(reach))
+            .zip(reaches)
+            .map(|(x, reach)| Interval::point(*x).inflate(*reach))
             .collect();
         let mut passes = 0;
         let (cell, _) = self.round(region.part(&part), &mut passes, false).ok()?;
@@ -492,25 +493,24 @@ impl Cell {
 
     /// Proved bounds of a quantity: those of the solutions that agree with all records.
     pub(crate) fn outer(&self, quantity: usize) -> Interval {
-        let program = Program::new(&self.rows, &self.part, Side::Outer);
-        let bounds = program.bounds(&self.region.axes[quantity]);
-        let around = self.region.range(quantity, &self.part);
-        (bounds + self.region.offset(quantity)).intersect(around)
+        self.outer_because(quantity).0
     }
 
     /// As [`Cell::outer`], with what excludes the values below and above.
     pub(crate) fn outer_because(&self, quantity: usize) -> (Interval, [Reason; 2]) {
-        let bounds = self.outer(quantity);
         let program = Program::new(&self.rows, &self.part, Side::Outer);
-        let because = [1.0, -1.0].map(|sign| {
-            let row = self.region.axes[quantity].iter();
-            let direction: Vec<f64> = row.map(|x| sign * x).collect();
-            let held = program.minimize(&direction).multipliers.into_iter();
-            let held = held.filter(|(_, multiplier)| *multiplier != 0.0);
-            let samples: Vec<(usize, usize)> = held.map(|(row, _)| self.rows.origin(row)).collect();
+        let (bounds, held) = program.bounds_because(&self.region.axes[quantity]);
+        let because = held.map(|held| {
+            let held = held.iter().filter(|(_, multiplier)| *multiplier != 0.0);
+            let samples: Vec<(usize, usize)> =
+                held.map(|(row, _)| self.rows.origin(*row)).collect();
             reason_of(0, &samples)
         });
-        (bounds, because)
+        let around = self.region.range(quantity, &self.part);
+        (
+            (bounds + self.region.offset(quantity)).intersect(around),
+            because,
+        )
     }
 
     /// Unknowns that are proved to agree with all records, about where each of the quantities is least and largest.
@@ -539,22 +539,30 @@ impl Cell {
         let middle: Vec<f64> = (0..n)
             .map(|v| found.iter().map(|point| point[v]).sum::<f64>() / count)
             .collect();
-        found
-            .into_iter()
-            .filter_map(|vertex| {
-                // A vertex is on the border, up to rounding: a little inside is proved.
-                [1e-9, 1e-7, 1e-5, 1e-3, 0.05, 1.0]
-                    .iter()
-                    .find_map(|share| {
-                        let pairs = vertex.iter().zip(&middle);
-                        // An unknown that nothing depends on is at its end in every vertex.
-                        let point: Vec<f64> = pairs
-                            .map(|(x, m)| (x + share * (m - x)).clamp(-NEAR_BORDER, NEAR_BORDER))
-                            .collect();
-                        self.proves(&point).then_some(point)
-                    })
-            })
-            .collect()
+        // A vertex is on the border, up to rounding: a little inside is proved.
+        let inside = |vertex: &[f64], middle: &[f64]| {
+            [1e-9, 1e-7, 1e-5, 1e-3, 0.05, 1.0]
+                .iter()
+                .find_map(|share| {
+                    let pairs = vertex.iter().zip(middle);
+                    // An unknown that nothing depends on is at its end in every vertex.
+                    let point: Vec<f64> = pairs
+                        .map(|(x, m)| (x + share * (m - x)).clamp(-NEAR_BORDER, NEAR_BORDER))
+                        .collect();
+                    self.proves(&point).then_some(point)
+                })
+        };
+        let mut proved: Vec<Vec<f64>> = found
+            .iter()
+            .filter_map(|vertex| inside(vertex, &middle))
+            .collect();
+        if proved.is_empty() {
+            // All vertices, and so their middle, may be on one side of what is left.
+            let deep = self.deepest().0;
+            let inner = found.iter().filter_map(|vertex| inside(vertex, &deep));
+            proved.extend(inner);
+        }
+        proved
     }
 
     /// Whether inner rows prove that solutions with these unknowns agree with all records.
@@ -568,6 +576,22 @@ impl Cell {
                 });
                 value.is_subset_of(self.rows.inner(row))
             })
+    }
+
+    /// How far around its middle a point is looked for, with this share of the axes: twice as far along those of which
+    /// samples tell nothing but to points.
+    pub(crate) fn reaches(&self, share: f64) -> Vec<f64> {
+        let told = (0..self.rows.len()).filter(|row| self.rows.origin(*row).0 != BELIEVED);
+        let told: Vec<usize> = told.collect();
+        let is_told = |axis: usize| told.iter().any(|row| self.rows.slopes(*row)[axis] != 0.0);
+        let reach = |axis| {
+            if is_told(axis) {
+                share
+            } else {
+                (2.0 * share).min(1.0)
+            }
+        };
+        (0..self.part.len()).map(reach).collect()
     }
 
     /// About the unknowns that are farthest from the ends of all rows, as share of what each allows: inside of

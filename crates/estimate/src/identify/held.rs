@@ -31,6 +31,8 @@ pub(crate) struct Held {
     pub(crate) inputs: Vec<usize>,
     /// Number of these.
     pub(crate) firm: usize,
+    /// Those that change too often for that. Points are looked for with the middle of what each may be.
+    nominal: Vec<usize>,
 }
 
 impl Held {
@@ -45,32 +47,50 @@ impl Held {
             let of = |sample: &Sample| is_wide(sample.inputs[**input]);
             records.iter().flatten().any(of)
         };
-        let all: Vec<usize> = (0..model.inputs.len()).collect();
-        let mut left: Vec<usize> = vec![MOST; records.len()];
-        let (mut firm, mut free) = (Vec::new(), Vec::new());
-        for input in all.iter().filter(is_uncertain) {
+        let mut left = vec![MOST; records.len()];
+        // Takes a place for each of its values in every record, if there are that many left.
+        let mut takes = |input: usize, is_firm: bool| {
             let counts = records.iter().map(|samples| {
-                let runs = runs(&model.inputs[*input], *input, samples, true);
-                let wide = runs
-                    .iter()
-                    .filter(|run| is_wide(samples[run.start].inputs[*input]));
+                let runs = runs(&model.inputs[input], input, samples, is_firm);
+                let wide = runs.iter();
+                let wide = wide.filter(|run| is_wide(samples[run.start].inputs[input]));
                 wide.count()
             });
             let counts: Vec<usize> = counts.collect();
             let fits = counts.iter().zip(&left).all(|(count, left)| count <= left);
-            if model.inputs[*input].hold != Hold::Free && fits {
-                left.iter_mut()
-                    .zip(counts)
-                    .for_each(|(left, count)| *left -= count);
-                firm.push(*input);
+            if fits {
+                let each = left.iter_mut().zip(counts);
+                each.for_each(|(left, count)| *left -= count);
+            }
+            fits
+        };
+        let all: Vec<usize> = (0..model.inputs.len()).collect();
+        let uncertain: Vec<usize> = all.iter().filter(is_uncertain).copied().collect();
+        let (mut firm, mut others) = (Vec::new(), Vec::new());
+        for input in uncertain {
+            if model.inputs[input].hold != Hold::Free && takes(input, true) {
+                firm.push(input);
             } else {
-                free.push(*input);
+                others.push(input);
             }
         }
+        let (free, nominal) = others.into_iter().partition(|input| takes(*input, false));
         Held {
             firm: firm.len(),
             inputs: [firm, free].concat(),
+            nominal,
         }
+    }
+
+    /// What inputs may be for points: of those that are no parameters one value.
+    pub(crate) fn for_points(&self, inputs: &[Interval]) -> Vec<Interval> {
+        let mut inputs = inputs.to_vec();
+        for input in &self.nominal {
+            if is_wide(inputs[*input]) {
+                inputs[*input] = Interval::point(inputs[*input].mid());
+            }
+        }
+        inputs
     }
 
     /// Adds the values that inputs have for a while to a record.
@@ -81,22 +101,15 @@ impl Held {
             let param = model.params.len() + position;
             let runs = runs(&model.inputs[input], input, samples, is_firm);
             let is_wide = |run: &&Range<usize>| is_wide(samples[run.start].inputs[input]);
-            let are_few =
-                is_firm || firm.len() + free.len() + runs.iter().filter(is_wide).count() <= MOST;
             for run in &runs {
                 let believed = samples[run.start].inputs[input];
                 if run.start > 0 {
                     course.instants[run.start].changes.push(param);
                 }
-                let is_quantity = is_wide(&run) && are_few;
                 for instant in &mut course.instants[run.clone()] {
-                    instant.held.push(if is_wide(&run) && !is_firm {
-                        Interval::point(believed.mid())
-                    } else {
-                        believed
-                    });
+                    instant.held.push(believed);
                 }
-                if is_quantity {
+                if is_wide(&run) {
                     let list = if is_firm { &mut firm } else { &mut free };
                     list.push(Later {
                         param,
@@ -115,7 +128,8 @@ impl Held {
     }
 }
 
-fn is_wide(x: Interval) -> bool {
+/// Whether it is not known but for rounding.
+pub(crate) fn is_wide(x: Interval) -> bool {
     x.rad() > EXACT * x.mag()
 }
 

@@ -6,6 +6,7 @@
 
 use std::cell::Cell as Shared;
 
+use super::outliers::Doubtful;
 use super::problem::{Course, Moved, Problem, Value};
 use super::region::scales_of;
 use super::rows::{Affine, Rows, Scaled};
@@ -97,6 +98,8 @@ struct Meeter<'a> {
     later: Vec<Affine>,
     factor: Option<Affine>,
     rows: Rows,
+    /// For every output that may have outliers what its samples tell.
+    doubtful: Vec<Option<Doubtful>>,
     reached: usize,
     is_complete: bool,
     conflict: Option<Conflict>,
@@ -134,6 +137,11 @@ pub(crate) fn pass(problem: &Problem, course: &Course, span: Span, set: Set) -> 
         later: set.later,
         factor: set.factor,
         rows: Rows::new(form.scales().len()),
+        doubtful: problem
+            .outliers
+            .iter()
+            .map(|allowed| allowed.map(Doubtful::new))
+            .collect(),
         reached: span.from,
         is_complete: true,
         conflict: None,
@@ -150,7 +158,12 @@ pub(crate) fn pass(problem: &Problem, course: &Course, span: Span, set: Set) -> 
         let begin = meeter.begin;
         let reset = course.next_reset(begin + 1, span.until + 1, moved.params);
         meeter.end = reset.unwrap_or(span.until).max(begin);
-        let stretches = &course.stretches[begin..meeter.end];
+        let stretches = if span.for_points {
+            &course.nominal
+        } else {
+            &course.stretches
+        };
+        let stretches = &stretches[begin..meeter.end];
         let steps = Shared::new(0);
         let meet = &mut |meeting: Meeting<'_>| {
             steps.set(0);
@@ -167,6 +180,9 @@ pub(crate) fn pass(problem: &Problem, course: &Course, span: Span, set: Set) -> 
             _ => break,
         }
         meeter.begin = meeter.end;
+    }
+    for doubtful in std::mem::take(&mut meeter.doubtful).into_iter().flatten() {
+        doubtful.finish(&mut meeter.rows);
     }
     Passed {
         is_complete: meeter.is_complete && meeter.reached == span.until,
@@ -246,7 +262,9 @@ impl Meeter<'_> {
         // What a state is at a sample may be after a jump there, which other inputs and parameters decide.
         let may_cut = !self.moved.flow.has_jumps();
         let told = course.instants[self.begin + 1].told.iter();
-        let told = told.filter(|_| may_cut).filter_map(|(quantity, told)| {
+        let is_sure = |quantity: usize| !self.doubtful.get(quantity).is_some_and(Option::is_some);
+        let told = told.filter(|(quantity, _)| may_cut && is_sure(*quantity));
+        let told = told.filter_map(|(quantity, told)| {
             let state = self.moved.quantities[*quantity].state()?;
             let is_output = *quantity < self.problem.outputs;
             let factor = self.factor.as_ref().filter(|_| is_output);
@@ -303,7 +321,11 @@ impl Meeter<'_> {
         }
         let instant = &self.course.instants[sample];
         self.reached = sample;
-        let inputs = &instant.inputs;
+        let inputs = if self.span.for_points {
+            &instant.nominal
+        } else {
+            &instant.inputs
+        };
         let form = meeting.form;
         let both = self.course.inputs_at(sample);
         if self.moved.flow.may_jump(form, &both) {
@@ -326,8 +348,12 @@ impl Meeter<'_> {
                 _ => None,
             };
             let largest = scaled.as_ref().map_or(*told, Scaled::largest);
-            self.judge(sample, rest + reach, largest);
-            if let (Some(state), true) = (on_forms.state(), told.is_point()) {
+            let is_doubtful = self.doubtful.get(*quantity).is_some_and(Option::is_some);
+            let number = (*quantity < self.problem.outputs)
+                .then(|| self.course.numbers[*quantity][sample])
+                .filter(|_| is_doubtful);
+            let is_possible = self.judge((sample, *quantity), number, rest + reach, largest);
+            if let (Some(state), true, false) = (on_forms.state(), told.is_point(), is_doubtful) {
                 hold(form, state, *told);
             }
             if *quantity < self.problem.outputs {
@@ -335,19 +361,31 @@ impl Meeter<'_> {
                 clear |= !is_blurred;
                 blurred |= is_blurred;
             }
+            let list = match &scaled {
+                Some(scaled) => scaled.rows(&strip.slopes, rest).to_vec(),
+                None => vec![(strip.slopes, rest, *told)],
+            };
+            if let (Some(number), Some(Some(doubtful))) = (number, self.doubtful.get_mut(*quantity))
+            {
+                let list = list.into_iter();
+                let list = list.map(|(slopes, rest, told)| (Affine { slopes, rest }, told));
+                if is_possible {
+                    doubtful.push((number, sample), list.collect(), &mut self.rows);
+                }
+                continue;
+            }
             let arriving = meeting.arriving.as_ref().filter(|arriving| {
                 on_forms.state() == Some(arriving.state)
                     && arriving.level.is_point()
                     && arriving.level == *told
             });
-            match (arriving, &scaled) {
-                (None, None) => self.rows.push(&strip.slopes, rest, *told, sample, 0),
-                (None, Some(scaled)) => {
-                    for (slopes, rest, told) in scaled.rows(&strip.slopes, rest) {
+            match arriving {
+                None => {
+                    for (slopes, rest, told) in list {
                         self.rows.push(&slopes, rest, told, sample, 0);
                     }
                 }
-                (Some(arriving), _) => self.arriving(arriving, sample),
+                Some(arriving) => self.arriving(arriving, sample),
             }
         }
         if clear {
@@ -374,10 +412,31 @@ impl Meeter<'_> {
         }
     }
 
-    fn judge(&mut self, sample: usize, enclosure: Interval, told: Interval) {
-        if !enclosure.intersects(told) && !enclosure.is_empty() {
-            self.conflict.get_or_insert(Conflict::Value { sample });
+    /// Whether a quantity may have a value that is told; if it cannot, that is a conflict, or an outlier where the sample,
+    /// of this number, may be one.
+    fn judge(
+        &mut self,
+        (sample, quantity): (usize, usize),
+        number: Option<usize>,
+        enclosure: Interval,
+        told: Interval,
+    ) -> bool {
+        if enclosure.intersects(told) || enclosure.is_empty() {
+            return true;
         }
+        let conflict = match (number, self.doubtful.get_mut(quantity)) {
+            (Some(number), Some(Some(doubtful))) => {
+                let samples = doubtful.exclude(number, sample);
+                samples.map(|samples| Conflict::Rows {
+                    samples: samples.into_iter().map(|sample| (sample, 0)).collect(),
+                })
+            }
+            _ => Some(Conflict::Value { sample }),
+        };
+        if self.conflict.is_none() {
+            self.conflict = conflict;
+        }
+        false
     }
 
     /// A sample tells that a state is on the level that it is on its way to: without capture it would be there or
@@ -409,6 +468,9 @@ impl Meeter<'_> {
                     let fixed = self.later.iter_mut().chain(&mut self.factor);
                     for affine in states.chain(fixed) {
                         affine.rescale(&by);
+                    }
+                    for doubtful in self.doubtful.iter_mut().flatten() {
+                        doubtful.rescale(&by);
                     }
                     self.scales = scales(form);
                 }

@@ -441,7 +441,12 @@ impl Local {
             }
             is_inside = false;
             // How much of what is missing no halving brings.
-            let gap = outer.width() - if inner.is_empty() { 0.0 } else { inner.width() };
+            // Of one that may be an outlier nothing is known but what proves that it is none.
+            let gap = if outer == Interval::ENTIRE {
+                0.0
+            } else {
+                outer.width() - if inner.is_empty() { 0.0 } else { inner.width() }
+            };
             let reach = some.width().max(1e-300);
             let below = (inner.lo() - some.lo()).max(some.hi() - inner.hi());
             let below = if below.is_finite() { below } else { reach };

@@ -13,7 +13,7 @@ use super::region::Region;
 use crate::signals::Signals;
 use veribound_flow::form::{Flow, Output, Stretch};
 use veribound_interval::{Decimal, Interval};
-use veribound_model::{Layout, Model, Sample, Var};
+use veribound_model::{Layout, Model, Outliers, Sample, Var};
 
 /// What a sample tells.
 #[derive(Debug, Clone)]
@@ -26,6 +26,8 @@ pub(crate) struct Instant {
     pub(crate) told: Vec<(usize, Interval)>,
     /// Inputs from now on.
     pub(crate) inputs: Vec<Interval>,
+    /// Some of these, for points.
+    pub(crate) nominal: Vec<Interval>,
     /// Parameters that may be new from now on.
     pub(crate) resets: Vec<usize>,
     /// Inputs that are parameters, as these are numbered, and have another value from now on.
@@ -91,6 +93,8 @@ impl Moved {
 pub(crate) struct Course {
     pub(crate) instants: Vec<Instant>,
     pub(crate) stretches: Vec<Stretch>,
+    /// Those for points.
+    pub(crate) nominal: Vec<Stretch>,
     /// Start values that are believed before the record.
     pub(crate) start: Vec<Interval>,
     /// Values of parameters after resets that last longer than a stretch, and of inputs that are constant for a while,
@@ -100,6 +104,8 @@ pub(crate) struct Course {
     pub(crate) firm: usize,
     /// Number of parameters, without inputs.
     pub(crate) params: usize,
+    /// For every output, how many samples before one tell it.
+    pub(crate) numbers: Vec<Vec<usize>>,
 }
 
 impl Course {
@@ -215,6 +221,17 @@ fn needed(
     [early, late].concat()
 }
 
+/// How many samples before each tell an output.
+fn numbers(samples: &[Sample], output: usize) -> Vec<usize> {
+    let mut count = 0;
+    let number = |sample: &Sample| {
+        let before = count;
+        count += usize::from(sample.outputs[output].is_some());
+        before
+    };
+    samples.iter().map(number).collect()
+}
+
 /// A model with all its records.
 #[derive(Debug)]
 pub(crate) struct Problem {
@@ -225,8 +242,10 @@ pub(crate) struct Problem {
     /// Inputs that are parameters.
     held: Held,
     pub(crate) layout: Layout,
-    /// Number of outputs among them.
+    /// Number of outputs among the quantities.
     pub(crate) outputs: usize,
+    /// For each of them how many samples may be outliers, if some may.
+    pub(crate) outliers: Vec<Option<Outliers>>,
     /// For every parameter whether a quantity depends on it directly.
     pub(crate) is_told_of: Vec<bool>,
     pub(crate) courses: Vec<Course>,
@@ -343,6 +362,11 @@ impl Problem {
             held,
             layout: model.layout(),
             outputs: model.outputs.len(),
+            outliers: model
+                .outputs
+                .iter()
+                .map(|output| output.outliers.filter(|outliers| outliers.most > 0))
+                .collect(),
             courses: Vec::new(),
             prior: model.params.iter().map(|param| param.bounds).collect(),
             factor: None,
@@ -428,21 +452,30 @@ impl Problem {
                 line: sample.line,
                 told,
                 inputs: sample.inputs.clone(),
+                nominal: self.held.for_points(&sample.inputs),
                 resets: resets.collect(),
                 changes: Vec::new(),
                 held: Vec::new(),
             });
         }
-        let stretches = samples.windows(2).map(|pair| Stretch {
-            inputs: pair[0].inputs.clone(),
-            dt: (&pair[1].time - &pair[0].time).to_interval(),
-        });
+        let stretches = |inputs: &dyn Fn(&Instant) -> Vec<Interval>| {
+            let pairs = instants.windows(2);
+            let stretches = pairs.map(|pair| Stretch {
+                inputs: inputs(&pair[0]),
+                dt: (&pair[1].time - &pair[0].time).to_interval(),
+            });
+            stretches.collect()
+        };
         let mut course = Course {
             later: Course::lasting(&instants, &self.prior),
             firm: 0,
             params: model.params.len(),
+            numbers: (0..self.outputs)
+                .map(|output| numbers(samples, output))
+                .collect(),
+            stretches: stretches(&|instant| instant.inputs.clone()),
+            nominal: stretches(&|instant| instant.nominal.clone()),
             instants,
-            stretches: stretches.collect(),
             start: model.states.iter().map(|state| state.init).collect(),
         };
         self.held.add(model, samples, &mut course);

@@ -31,6 +31,14 @@ struct Leaf {
     is_atom: bool,
 }
 
+impl Leaf {
+    /// Where it ends, so that the least of several decides a bound.
+    fn end(&self, quantity: usize, upper: bool) -> f64 {
+        let x = self.outer[quantity];
+        if upper { -x.hi() } else { x.lo() }
+    }
+}
+
 /// A search that brought bounds nearer by less than this factor for a while is over,
 const WORTHWHILE: f64 = 0.8;
 
@@ -207,10 +215,15 @@ impl<'a> Search<'a> {
                     Err(clash) => Outcome::Gone(clash),
                 };
             }
-            Job::Climb(param, side) => self.state.best[*param][*side]
-                .as_ref()
-                .and_then(|best| self.problem.probe(&best.region, &best.point, best.reach)),
-            Job::Middle(cell, reach) => self.problem.probe(&cell.region, &cell.deepest().0, *reach),
+            Job::Climb(param, side) => self.state.best[*param][*side].as_ref().and_then(|best| {
+                let reaches = vec![best.reach; best.point.len()];
+                self.problem.probe(&best.region, &best.point, &reaches)
+            }),
+            Job::Middle(cell, reach) => {
+                let reaches = cell.reaches(*reach);
+                self.problem
+                    .probe(&cell.region, &cell.deepest().0, &reaches)
+            }
         };
         let points = probed
             .as_ref()
@@ -404,16 +417,11 @@ impl<'a> Search<'a> {
         gaps.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut chosen: Vec<usize> = Vec::new();
         for (_, quantity, upper) in gaps {
-            let end = |leaf: &Leaf| {
-                let x = leaf.outer[quantity];
-                if upper { -x.hi() } else { x.lo() }
-            };
+            let end = |position: &usize| self.state.leaves[*position].end(quantity, upper);
             let mut order: Vec<usize> = (0..self.state.leaves.len())
                 .filter(|k| !self.state.leaves[*k].is_atom)
                 .collect();
-            order.sort_by(|a, b| {
-                end(&self.state.leaves[*a]).total_cmp(&end(&self.state.leaves[*b]))
-            });
+            order.sort_by(|a, b| end(a).total_cmp(&end(b)));
             if let Some(extreme) = order.first()
                 && !chosen.contains(extreme)
             {
@@ -536,12 +544,8 @@ impl<'a> Search<'a> {
 
     /// The leaf that decides a bound.
     fn extreme(&self, quantity: usize, upper: bool) -> Option<usize> {
-        let end = |leaf: &Leaf| {
-            let x = leaf.outer[quantity];
-            if upper { -x.hi() } else { x.lo() }
-        };
-        let leaves = &self.state.leaves;
-        (0..leaves.len()).min_by(|a, b| end(&leaves[*a]).total_cmp(&end(&leaves[*b])))
+        let end = |position: &usize| self.state.leaves[*position].end(quantity, upper);
+        (0..self.state.leaves.len()).min_by(|a, b| end(a).total_cmp(&end(b)))
     }
 
     /// Halves of the leaves that decide what is not known well enough.

@@ -9,7 +9,7 @@ use super::flags::{ErrorBoundFlag, InputErrorFlag, ResetFlag};
 use super::message::{flag_problem, list};
 use veribound_interval::Decimal;
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
-use veribound_model::{ErrorBound, Hold, Model, Reset};
+use veribound_model::{ErrorBound, Hold, Model, Output, Reset};
 
 /// Changes the model as the flags say; gives a sentence for every change.
 pub fn weaken(model: &mut Model, flags: &Weakening) -> Result<Vec<String>, Diagnostics> {
@@ -38,6 +38,21 @@ pub fn weaken(model: &mut Model, flags: &Weakening) -> Result<Vec<String>, Diagn
     } else {
         Err(Diagnostics(problems))
     }
+}
+
+/// Refuses outputs that may have outliers, of which an observer could use no sample.
+pub fn refuse_outliers(model: &Model) -> Result<(), Diagnostic> {
+    let mut outputs = model.outputs.iter();
+    let may_miss = |output: &&Output| output.outliers.is_some_and(|outliers| outliers.most > 0);
+    let Some(output) = outputs.find(may_miss) else {
+        return Ok(());
+    };
+    let message = format!(
+        "the output `{}` may have outliers, and an observer, which goes sample by sample, can use no sample that may be one",
+        output.name
+    );
+    Err(Diagnostic::new("E0616", message)
+        .help("use `veribound identify`, which reads samples together, or remove `outliers` from the model file"))
 }
 
 fn reset(model: &mut Model, flag: &ResetFlag) -> Result<String, Diagnostic> {

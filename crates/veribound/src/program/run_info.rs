@@ -92,6 +92,10 @@ pub fn of_identification(
     }
     put("sets", Value::Integer(arguments.sets as i64));
     put("least-error", Value::Boolean(arguments.least_error));
+    put(
+        "least-disturbance",
+        Value::Boolean(arguments.least_disturbance),
+    );
     // Results do not depend on it; where it is not given, it is the machine's.
     if let Some(threads) = arguments.threads {
         put("threads", Value::Integer(threads as i64));
