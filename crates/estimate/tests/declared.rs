@@ -197,15 +197,19 @@ fn constant_errors_at_reversals_keep_the_truth() {
         for _ in 0..last {
             if left == 0 {
                 let near = truth.2 / 1.03;
+                let before = u;
                 u = (rng.pick(&[0.0, 1.0, -1.0, 1.0]) * rng.pick(&[0.3, 0.25, near]) * 1e4).round()
                     / 1e4;
                 left = 20 + rng.below(60);
-                error =
-                    0.03 * if round % 2 == 0 {
-                        1.0
-                    } else {
-                        rng.pick(&[-1.0, 1.0])
-                    } * (1.0 - 1e-9);
+                let sign = if round % 2 == 0 {
+                    1.0
+                } else {
+                    rng.pick(&[-1.0, 1.0])
+                };
+                // As long as the recorded value is the same, so is the error.
+                if u != before {
+                    error = 0.03 * sign * (1.0 - 1e-9);
+                }
             }
             left -= 1;
             let noise = 0.0999 * rng.pick(&[-1.0, 1.0, 0.0]);
@@ -359,5 +363,41 @@ fn the_least_disturbance_is_enclosed() {
     let samples = record(&exact, 50, &[(1.0, 0.0), (1.0, 0.5)]);
     assert!(
         least_disturbance(&exact, &[samples], &IdentifyOptions::default(), &|_| true).is_none()
+    );
+}
+
+/// The record that refutes is named, wherever it stands, and of samples that refute only together with others none alone.
+#[test]
+fn the_record_that_refutes_is_named() {
+    let (strict, model) = (decay(""), decay(TWO_IN_20));
+    let mut rng = Rng(3);
+    let truth = (0.8, 1.0);
+    let good = record(&strict, 5, &decay_record(&mut rng, truth, &[]));
+    let bad = record(&strict, 5, &decay_record(&mut rng, truth, &[(30, 0.3)]));
+    for (records, at) in [
+        ([good.clone(), bad.clone()], 1),
+        ([bad.clone(), good.clone()], 0),
+    ] {
+        let found = identify(&strict, &records, &IdentifyOptions::default(), &|_| true);
+        let Conclusion::Inconsistent(refuted) = found.conclusion else {
+            panic!("{found:?}");
+        };
+        assert_eq!(refuted.record, at, "{refuted:?}");
+        assert!(refuted.samples.contains(&30), "{refuted:?}");
+        // One outlier is allowed.
+        let found = identify(&model, &records, &IdentifyOptions::default(), &|_| true);
+        assert_eq!(found.conclusion, Conclusion::Consistent);
+    }
+    let off = [(30, 0.3), (33, -0.4), (35, 0.2)];
+    let bad = record(&model, 5, &decay_record(&mut rng, truth, &off));
+    let found = identify(&model, &[good, bad], &IdentifyOptions::default(), &|_| true);
+    let Conclusion::Inconsistent(refuted) = found.conclusion else {
+        panic!("{found:?}");
+    };
+    // Two may be off: what refutes takes at least three.
+    assert_eq!(refuted.record, 1);
+    assert!(
+        refuted.samples.is_empty() || refuted.samples.len() >= 3,
+        "{refuted:?}"
     );
 }

@@ -157,7 +157,7 @@ impl Problem {
             *passes += 1;
             let passed = pass(self, course, span, self.set(record, rows, !has_windows));
             if let Some(conflict) = passed.conflict {
-                return Err((record, conflict));
+                return Err(of_record(record, conflict));
             }
             is_complete &= passed.is_complete;
             reached.push(passed.reached);
@@ -266,6 +266,20 @@ impl Problem {
     }
 }
 
+/// A conflict that a pass through a record came to: all samples are of that.
+fn of_record(record: usize, conflict: Conflict) -> (usize, Conflict) {
+    let conflict = match conflict {
+        Conflict::Rows { samples } => Conflict::Rows {
+            samples: samples
+                .into_iter()
+                .map(|(sample, _)| (sample, record))
+                .collect(),
+        },
+        value => value,
+    };
+    (record, conflict)
+}
+
 /// Whether unknowns are in the unit box, and by so much that they are in all those that it was narrowed from, which
 /// rounding may have made a little smaller: rows tell of these alone.
 pub(crate) fn is_well_inside(unknowns: Interval) -> bool {
@@ -325,10 +339,10 @@ impl Problem {
             *passes += 1;
             let mut passed = pass(self, course, span, self.set(record, rows, false));
             if let Some(conflict) = passed.conflict {
-                return Err((record, conflict));
+                return Err(of_record(record, conflict));
             }
             passed.rows.prune();
-            let part = contract(&passed.rows).map_err(|conflict| (record, conflict))?;
+            let part = contract(&passed.rows).map_err(|conflict| of_record(record, conflict))?;
             let mut next = from;
             let ended = passed.reached == until;
             states = anchored(&passed, &part, &mut next).filter(|_| !ended && next > from);

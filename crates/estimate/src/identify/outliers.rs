@@ -144,10 +144,10 @@ impl Doubtful {
             let both = sides[0].intersect(sides[1]);
             if both.is_empty() {
                 // Together they contradict.
-                rows.push_outer(slopes, sides[0], middle.sample);
-                rows.push_outer(slopes, sides[1], middle.sample);
+                rows.push_outer(slopes, sides[0]);
+                rows.push_outer(slopes, sides[1]);
             } else {
-                rows.push_outer(slopes, both, middle.sample);
+                rows.push_outer(slopes, both);
             }
         }
     }

@@ -16,6 +16,7 @@ use super::cell::{BELIEVED, Cell, is_well_inside};
 use super::pass::Conflict;
 use super::problem::Problem;
 use super::region::Region;
+use super::rows::SEVERAL;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use veribound_interval::Interval;
@@ -391,6 +392,9 @@ pub(crate) fn reason_of(record: usize, samples: &[(usize, usize)]) -> Reason {
     let mut samples: Vec<usize> = own.map(|(sample, _)| *sample).collect();
     samples.sort_unstable();
     samples.dedup();
+    if samples.last() == Some(&SEVERAL) {
+        samples.clear();
+    }
     Reason::Samples { record, samples }
 }
 

@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 use veribound_interval::Interval;
 use veribound_interval::round::{sub_down, sub_up};
 
+/// Rows that several samples say together have this for a sample.
+pub(crate) const SEVERAL: usize = u32::MAX as usize - 1;
+
 /// Two-sided inequalities `g·δ ∈ [b]` in unknowns `δ` of the unit box.
 ///
 /// Guarantee: for every solution that agrees with the record, and its unknowns `δ`, `g·δ` lies in
@@ -77,11 +80,11 @@ impl Rows {
     }
 
     /// Adds what several samples say together: `g·δ` is in `bounds`.
-    pub(crate) fn push_outer(&mut self, slopes: &[f64], bounds: Interval, sample: usize) {
+    pub(crate) fn push_outer(&mut self, slopes: &[f64], bounds: Interval) {
         self.slopes.extend_from_slice(slopes);
         self.outer.push(bounds);
         self.inner.push(Interval::ENTIRE);
-        self.origins.push((short(sample), 0));
+        self.origins.push((short(SEVERAL), 0));
     }
 
     /// Adds what a point must meet, though others need not: the quantity `rest + g·δ` is in `measured`.

@@ -13,6 +13,7 @@ use super::pass::Conflict;
 use super::pave::{self, Paving};
 use super::problem::Problem;
 use super::region::Region;
+use super::rows::SEVERAL;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use veribound_interval::Interval;
@@ -739,7 +740,9 @@ impl<'a> Search<'a> {
         all.sort_unstable();
         all.dedup();
         let record = all.last().map_or(0, |last| last.1);
-        let own = all.iter().filter(|(_, own)| *own == record);
+        let own = all
+            .iter()
+            .filter(|(sample, own)| *own == record && *sample != SEVERAL);
         let samples: Vec<usize> = own.map(|(sample, _)| *sample).collect();
         self.problem.refuted(record, samples)
     }
