@@ -59,6 +59,8 @@ impl Stepper {
         let weakening = &arguments.assumptions.weakening;
         let assumptions =
             assumptions::weaken(&mut model, weakening).map_err(crate::problem::raise)?;
+        assumptions::refuse_outliers(&model)
+            .map_err(|problem| crate::problem::raise(problem.into()))?;
         Ok(Stepper {
             observer: Observer::new(&model, arguments.method.options()),
             model: Arc::new(model),

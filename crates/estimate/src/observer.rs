@@ -18,7 +18,7 @@ use crate::verdict::{Contradiction, Estimate, Refutation, Undecided, Verdict};
 use veribound_flow::{ModeSet, StepFailure, System, Workspace};
 use veribound_interval::lanes::{LANES, Mask};
 use veribound_interval::{Decimal, Interval};
-use veribound_model::{Model, Sample};
+use veribound_model::{Model, Output, Sample};
 
 /// Where boxes with different modes are kept apart, the list grows to this many times `L` at most.
 const MOST_LABELS: usize = 4;
@@ -71,6 +71,8 @@ pub struct Observer {
     follower: Option<Follower>,
     splitter: Splitter,
     measurements: Measurements,
+    /// Outputs that may have outliers.
+    doubtful: Vec<usize>,
     windows: Windows,
     /// Start intervals of the states and priors of the parameters.
     prior: Vec<Interval>,
@@ -139,6 +141,10 @@ impl Observer {
             every: options.every.max(1),
             ..options
         };
+        let may_miss = |output: &Output| output.outliers.is_some_and(|outliers| outliers.most > 0);
+        let doubtful = model.outputs.iter().enumerate();
+        let doubtful = doubtful.filter(|(_, output)| may_miss(output));
+        let doubtful = doubtful.map(|(position, _)| position).collect();
         let system = System::new(model);
         let layout = system.layout();
         let prior: Vec<Interval> = model
@@ -152,6 +158,7 @@ impl Observer {
             follower: Follower::new(model, options.engine),
             splitter: Splitter::new(model),
             measurements: Measurements::new(model, layout),
+            doubtful,
             windows: Windows::new(&system, &options.windows),
             cells: vec![Cell::new(prior.clone())],
             batches: Batches::default(),
@@ -219,8 +226,15 @@ impl Observer {
     /// Takes the next sample.
     ///
     /// Errors are misuse; what can and cannot be proved is in the [`Verdict`].
+    ///
+    /// Outputs that may have outliers are taken for missing: no single sample of them proves anything.
     pub fn step(&mut self, sample: &Sample) -> Result<Verdict, Misuse> {
         self.check(sample)?;
+        let mut without = None;
+        for output in &self.doubtful {
+            without.get_or_insert_with(|| sample.clone()).outputs[*output] = None;
+        }
+        let sample = without.as_ref().unwrap_or(sample);
         let steps_before = self.box_steps;
         let position = self.samples;
         let held = self.held.take();

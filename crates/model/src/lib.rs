@@ -7,6 +7,7 @@ pub mod diagnostic;
 pub mod facts;
 mod file;
 pub mod graph;
+mod held;
 pub mod model;
 mod regular;
 pub mod series;
@@ -19,8 +20,8 @@ pub use diagnostic::{Diagnostic, Diagnostics, SourceText};
 pub use facts::{Facts, ModeFacts};
 pub use graph::{Binary, Choice, ExprId, Graph, Level, Names, Node, Unary, Var};
 pub use model::{
-    Coverage, ErrorBound, Guard, Input, Jump, Mode, ModeGroup, Model, Output, Param, Relation,
-    Reset, Sample, Signal, State, Term,
+    Coverage, ErrorBound, Guard, Hold, Input, Jump, Mode, ModeGroup, Model, Outliers, Output,
+    Param, Relation, Reset, Sample, Signal, State, Term,
 };
 pub use regular::Regular;
 pub use series::{Coefficients, SeriesTape};

@@ -195,8 +195,19 @@ pub struct Input {
     /// Of a disturbance, which no column records: it may be any measurable function of time with
     /// values in here.
     pub within: Option<Interval>,
-    /// Of a disturbance: it is constant from each sample to the next.
-    pub is_held: bool,
+    /// What is known of the course of its error, or of a disturbance.
+    pub hold: Hold,
+}
+
+/// How long what is unknown of an input stays the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Hold {
+    /// It may be any function of time.
+    Free,
+    /// It is constant from each sample to the next.
+    Sample,
+    /// It is constant as long as samples record the same value: the same float, where a value has more digits.
+    Level,
 }
 
 /// An unknown parameter.
@@ -448,6 +459,18 @@ pub struct Output {
     pub expr: ExprId,
     /// Hard error bound.
     pub error: ErrorBound,
+    /// How many samples may be off by more than the error bound.
+    pub outliers: Option<Outliers>,
+}
+
+/// At most so many of any so many samples in a row, of those that tell an output, are off by more than its error bound: as
+/// far as they like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Outliers {
+    /// How many may be,
+    pub most: usize,
+    /// of how many in a row.
+    pub of: usize,
 }
 
 /// A hard bound on the difference between a recorded and the true value:

@@ -37,6 +37,9 @@ pub struct IdentifiedSummary {
     /// How large measurement errors must be at least, if that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub least_error: Option<LeastErrors>,
+    /// How large errors of inputs and disturbances must be at least, if that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub least_disturbance: Option<LeastErrors>,
     /// The paving, if one was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub paving: Option<Paving>,
@@ -104,7 +107,7 @@ pub struct IdentifiedReset {
     unit: String,
 }
 
-/// How large measurement errors must be at least for the model and the records to agree, as multiple of the declared ones.
+/// How large some errors must be at least for the model and the records to agree, as multiple of the declared ones.
 #[derive(Debug, Clone, Serialize)]
 pub struct LeastErrors {
     /// With less nothing agrees.
@@ -320,6 +323,7 @@ mod tests {
             }],
             resets: Vec::new(),
             least_error: None,
+            least_disturbance: None,
             paving: Some(Paving::new(
                 12,
                 interval(third, third),

@@ -91,12 +91,20 @@ pub(crate) struct Clash {
 impl Problem {
     /// The quantities that a pass through a record needs beside states: parameters, their values after resets, and
     /// the factor of errors.
-    pub(crate) fn fixed_of(&self, record: usize) -> Vec<usize> {
+    pub(crate) fn fixed_of(&self, record: usize, for_points: bool) -> Vec<usize> {
         let factor = self.factor_position();
-        self.params()
-            .chain(self.later(record))
-            .chain(factor)
-            .collect()
+        let later = self.later(record).take(self.count(record, for_points));
+        self.params().chain(later).chain(factor).collect()
+    }
+
+    /// Number of values after resets, and of inputs, that a pass through a record knows.
+    fn count(&self, record: usize, for_points: bool) -> usize {
+        let course = &self.courses[record];
+        if for_points {
+            course.later.len()
+        } else {
+            course.firm
+        }
     }
 
     /// Narrows a region round by round, until samples tell no more of it; the region may be turned where that is
@@ -144,11 +152,12 @@ impl Problem {
 
     /// One round for a small region around a point, only to find points that are proved to agree.
     ///
-    /// The point is given in the unknowns of `region`, and `reach` says how far around it.
-    pub(crate) fn probe(&self, region: &Region, point: &[f64], reach: f64) -> Option<Cell> {
+    /// The point is given in the unknowns of `region`, and `reaches` says how far around it.
+    pub(crate) fn probe(&self, region: &Region, point: &[f64], reaches: &[f64]) -> Option<Cell> {
         let part: Vec<Interval> = point
             .iter()
-            .map(|x| Interval::point(*x).inflate(reach))
+            .zip(reaches)
+            .map(|(x, reach)| Interval::point(*x).inflate(*reach))
             .collect();
         let mut passes = 0;
         let (cell, _) = self.round(region.part(&part), &mut passes, None).ok()?;
@@ -238,14 +247,15 @@ impl Problem {
             if course.instants.is_empty() {
                 continue;
             }
-            let starts = self.starts(record).chain(self.fixed_of(record));
+            let starts = self.starts(record).chain(self.fixed_of(record, true));
             let (rows, kept) = region.rows_of(&starts.collect::<Vec<_>>());
             let span = Span {
                 from: 0,
                 until: course.end(),
                 aim: Aim::Slopes,
             };
-            let passed = pass(self, course, span, self.set(record, rows), BTreeSet::new());
+            let set = self.set(record, rows, true);
+            let passed = pass(self, course, span, set, BTreeSet::new());
             if passed.reached < course.end() {
                 return None;
             }
@@ -270,7 +280,8 @@ impl Problem {
         let mut reached = Vec::new();
         let mut windows: Vec<Window> = Vec::new();
         for (record, course) in self.courses.iter().enumerate() {
-            let starts = self.starts(record).chain(self.fixed_of(record));
+            let fixed = self.fixed_of(record, windows_of.is_none());
+            let starts = self.starts(record).chain(fixed);
             let (rows, kept) = region.rows_of(&starts.collect::<Vec<_>>());
             let until = course.end();
             if course.instants.is_empty() {
@@ -292,9 +303,10 @@ impl Problem {
                 .iter()
                 .flat_map(|known| known.keys().copied())
                 .collect();
-            let passed = pass(self, course, span, self.set(record, rows), wanted);
+            let set = self.set(record, rows, windows_of.is_none());
+            let passed = pass(self, course, span, set, wanted);
             if let Some(conflict) = passed.conflict {
-                return Err((record, conflict));
+                return Err(of_record(record, conflict));
             }
             is_complete &= passed.is_complete;
             reached.push(passed.reached);
@@ -354,8 +366,9 @@ impl Problem {
 
 impl Problem {
     /// Rows of states and of [`Problem::fixed_of`] as what a pass moves.
-    pub(crate) fn set(&self, record: usize, mut rows: Parallelotope) -> Set {
+    pub(crate) fn set(&self, record: usize, mut rows: Parallelotope, for_points: bool) -> Set {
         let moved = self.layout.states + self.layout.params;
+        let axes_of_one = rows.axes.first().map_or(0, Vec::len);
         let rest = rows.rest.split_off(moved);
         let centre = rows.centre.split_off(moved);
         let axes = rows.axes.split_off(moved);
@@ -364,7 +377,13 @@ impl Problem {
             slopes,
             rest: Interval::point(centre) + Interval::symmetric(rest),
         });
-        let later = self.courses[record].later.len();
+        let later = self.count(record, for_points);
+        // A pass begins by giving inputs that are parameters their values.
+        for _ in self.layout.params..self.moved(for_points).params {
+            rows.centre.push(0.0);
+            rows.axes.push(vec![0.0; axes_of_one]);
+            rows.rest.push(0.0);
+        }
         Set {
             moved: rows,
             later: affine.by_ref().take(later).collect(),
@@ -396,6 +415,20 @@ fn depth_of(rows: &Rows) -> f64 {
         (-outer.lo()).min(outer.hi()) / outer.width()
     });
     depths.filter(|depth| !depth.is_nan()).fold(1.0, f64::min)
+}
+
+/// A conflict that a pass through a record came to: all samples are of that.
+pub(crate) fn of_record(record: usize, conflict: Conflict) -> (usize, Conflict) {
+    let conflict = match conflict {
+        Conflict::Rows { samples } => Conflict::Rows {
+            samples: samples
+                .into_iter()
+                .map(|(sample, _)| (sample, record))
+                .collect(),
+        },
+        value => value,
+    };
+    (record, conflict)
 }
 
 /// Whether unknowns are in the unit box, and by so much that they are in all those that it was narrowed from, which
@@ -473,25 +506,24 @@ impl Cell {
 
     /// Proved bounds of a quantity: those of the solutions that agree with all records.
     pub(crate) fn outer(&self, quantity: usize) -> Interval {
-        let program = Program::new(&self.rows, &self.part, Side::Outer);
-        let bounds = program.bounds(&self.region.axes[quantity]);
-        let around = self.region.range(quantity, &self.part);
-        (bounds + self.region.offset(quantity)).intersect(around)
+        self.outer_because(quantity).0
     }
 
     /// As [`Cell::outer`], with what excludes the values below and above.
     pub(crate) fn outer_because(&self, quantity: usize) -> (Interval, [Reason; 2]) {
-        let bounds = self.outer(quantity);
         let program = Program::new(&self.rows, &self.part, Side::Outer);
-        let because = [1.0, -1.0].map(|sign| {
-            let row = self.region.axes[quantity].iter();
-            let direction: Vec<f64> = row.map(|x| sign * x).collect();
-            let held = program.minimize(&direction).multipliers.into_iter();
-            let held = held.filter(|(_, multiplier)| *multiplier != 0.0);
-            let samples: Vec<(usize, usize)> = held.map(|(row, _)| self.rows.origin(row)).collect();
+        let (bounds, held) = program.bounds_because(&self.region.axes[quantity]);
+        let because = held.map(|held| {
+            let held = held.iter().filter(|(_, multiplier)| *multiplier != 0.0);
+            let samples: Vec<(usize, usize)> =
+                held.map(|(row, _)| self.rows.origin(*row)).collect();
             reason_of(0, &samples)
         });
-        (bounds, because)
+        let around = self.region.range(quantity, &self.part);
+        (
+            (bounds + self.region.offset(quantity)).intersect(around),
+            because,
+        )
     }
 
     /// Unknowns that are proved to agree with all records, about where each of the quantities is least and largest.
@@ -520,22 +552,30 @@ impl Cell {
         let middle: Vec<f64> = (0..n)
             .map(|v| found.iter().map(|point| point[v]).sum::<f64>() / count)
             .collect();
-        found
-            .into_iter()
-            .filter_map(|vertex| {
-                // A vertex is on the border, up to rounding: a little inside is proved.
-                [1e-9, 1e-7, 1e-5, 1e-3, 0.05, 1.0]
-                    .iter()
-                    .find_map(|share| {
-                        let pairs = vertex.iter().zip(&middle);
-                        // An unknown that nothing depends on is at its end in every vertex.
-                        let point: Vec<f64> = pairs
-                            .map(|(x, m)| (x + share * (m - x)).clamp(-NEAR_BORDER, NEAR_BORDER))
-                            .collect();
-                        self.proves(&point).then_some(point)
-                    })
-            })
-            .collect()
+        // A vertex is on the border, up to rounding: a little inside is proved.
+        let inside = |vertex: &[f64], middle: &[f64]| {
+            [1e-9, 1e-7, 1e-5, 1e-3, 0.05, 1.0]
+                .iter()
+                .find_map(|share| {
+                    let pairs = vertex.iter().zip(middle);
+                    // An unknown that nothing depends on is at its end in every vertex.
+                    let point: Vec<f64> = pairs
+                        .map(|(x, m)| (x + share * (m - x)).clamp(-NEAR_BORDER, NEAR_BORDER))
+                        .collect();
+                    self.proves(&point).then_some(point)
+                })
+        };
+        let mut proved: Vec<Vec<f64>> = found
+            .iter()
+            .filter_map(|vertex| inside(vertex, &middle))
+            .collect();
+        if proved.is_empty() {
+            // All vertices, and so their middle, may be on one side of what is left.
+            let deep = self.deepest().0;
+            let inner = found.iter().filter_map(|vertex| inside(vertex, &deep));
+            proved.extend(inner);
+        }
+        proved
     }
 
     /// Whether inner rows prove that solutions with these unknowns agree with all records.
@@ -549,6 +589,22 @@ impl Cell {
                 });
                 value.is_subset_of(self.rows.inner(row))
             })
+    }
+
+    /// How far around its middle a point is looked for, with this share of the axes: twice as far along those of which
+    /// samples tell nothing but to points.
+    pub(crate) fn reaches(&self, share: f64) -> Vec<f64> {
+        let told = (0..self.rows.len()).filter(|row| self.rows.origin(*row).0 != BELIEVED);
+        let told: Vec<usize> = told.collect();
+        let is_told = |axis: usize| told.iter().any(|row| self.rows.slopes(*row)[axis] != 0.0);
+        let reach = |axis| {
+            if is_told(axis) {
+                share
+            } else {
+                (2.0 * share).min(1.0)
+            }
+        };
+        (0..self.part.len()).map(reach).collect()
     }
 
     /// Where solutions are most likely to agree with all records, as [`deepest`], and how far inside that is.

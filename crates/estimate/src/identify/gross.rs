@@ -37,7 +37,7 @@ pub(crate) fn narrow(
         // Positions of the parameter and of the quantity, and the samples at which it has this value.
         let first = problem.params().enumerate();
         let first = first.map(|(param, quantity)| (param, quantity, 0..course.first_reset(param)));
-        let later = course.later.iter().zip(problem.later(record));
+        let later = problem.after_resets(record);
         let later = later.map(|(later, quantity)| (later.param, quantity, later.from..later.until));
         let values: Vec<(usize, usize, Range<usize>)> = first.chain(later).collect();
         for (position, sample) in samples.iter().enumerate() {

@@ -2,8 +2,11 @@
 
 mod answer;
 mod cell;
+mod disturbance;
 mod eigen;
 mod gross;
+mod held;
+mod outliers;
 mod pass;
 mod pave;
 mod problem;
@@ -17,6 +20,7 @@ pub use answer::{
     AfterReset, Bounds, Checkpoints, Conclusion, Identified, IdentifyOptions, LeastError, Limit,
     Progress, Reason, Refuted, Save, Status, Tile, Unreadable,
 };
+pub use disturbance::least_disturbance;
 
 use problem::Problem;
 use region::Region;

@@ -7,7 +7,8 @@
 use std::cell::Cell as Shared;
 use std::collections::BTreeSet;
 
-use super::problem::{Course, Problem, Value};
+use super::outliers::Doubtful;
+use super::problem::{Course, Moved, Problem, Value};
 use super::region::scales_of;
 use super::rows::{Affine, Rows, Scaled};
 use super::simplex::{Program, Side, minimum, refutes};
@@ -72,6 +73,13 @@ pub(crate) struct Set {
     pub(crate) factor: Option<Affine>,
 }
 
+impl Aim {
+    /// Whether inputs have single values, too.
+    pub(crate) fn is_for_points(self) -> bool {
+        self != Aim::Bounds
+    }
+}
+
 /// Why a set contains no solution that agrees with the record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Conflict {
@@ -101,6 +109,7 @@ pub(crate) struct Passed {
 /// Meets samples.
 struct Meeter<'a> {
     problem: &'a Problem,
+    moved: &'a Moved,
     course: &'a Course,
     span: Span,
     /// Sample at the begin of the journey at hand, and at its end.
@@ -111,6 +120,8 @@ struct Meeter<'a> {
     later: Vec<Affine>,
     factor: Option<Affine>,
     rows: Rows,
+    /// For every output that may have outliers what its samples tell.
+    doubtful: Vec<Option<Doubtful>>,
     reached: usize,
     is_complete: bool,
     conflict: Option<Conflict>,
@@ -143,10 +154,12 @@ pub(crate) fn pass(
         degree: Some(2),
         ..FormOptions::default()
     };
-    let mut form = problem.flow.start_in(&set.moved, options);
+    let moved = problem.moved(span.aim.is_for_points());
+    let mut form = moved.flow.start_in(&set.moved, options);
     let over = Shared::new(false);
     let mut meeter = Meeter {
         problem,
+        moved,
         course,
         span,
         begin: span.from,
@@ -155,6 +168,11 @@ pub(crate) fn pass(
         later: set.later,
         factor: set.factor,
         rows: Rows::new(form.scales().len()),
+        doubtful: problem
+            .outliers
+            .iter()
+            .map(|allowed| allowed.map(Doubtful::new))
+            .collect(),
         reached: span.from,
         is_complete: true,
         conflict: None,
@@ -171,9 +189,14 @@ pub(crate) fn pass(
     loop {
         meeter.renew(&mut form);
         let begin = meeter.begin;
-        let reset = course.next_reset(begin + 1, span.until + 1);
+        let reset = course.next_reset(begin + 1, span.until + 1, moved.params);
         meeter.end = reset.unwrap_or(span.until).max(begin);
-        let stretches = &course.stretches[begin..meeter.end];
+        let stretches = if span.aim.is_for_points() {
+            &course.nominal
+        } else {
+            &course.stretches
+        };
+        let stretches = &stretches[begin..meeter.end];
         let steps = Shared::new(0);
         let meet = &mut |meeting: Meeting<'_>| {
             steps.set(0);
@@ -183,13 +206,16 @@ pub(crate) fn pass(
             steps.set(steps.get() + 1);
             !over.get() && steps.get() <= MOST_STEPS
         };
-        let moved = problem.flow.follow(form, stretches, meet, &go_on);
-        meeter.is_complete &= moved.is_ok();
+        let done = moved.flow.follow(form, stretches, meet, &go_on);
+        meeter.is_complete &= done.is_ok();
         match meeter.arrived.take() {
-            Some(arrived) if reset.is_some() && moved.is_ok() && !over.get() => form = arrived,
+            Some(arrived) if reset.is_some() && done.is_ok() && !over.get() => form = arrived,
             _ => break,
         }
         meeter.begin = meeter.end;
+    }
+    for doubtful in std::mem::take(&mut meeter.doubtful).into_iter().flatten() {
+        doubtful.finish(&mut meeter.rows);
     }
     Passed {
         is_complete: meeter.is_complete && meeter.reached == span.until,
@@ -220,14 +246,16 @@ impl Meeter<'_> {
     /// First all of them: what is known of one must not rest on what another was before.
     fn renew(&mut self, form: &mut Form) {
         let is_first = self.begin == self.span.from;
-        let resets = &self.course.instants[self.begin].resets;
+        let instant = &self.course.instants[self.begin];
         let mut passing = Vec::new();
-        for param in 0..self.problem.layout.params {
-            if !is_first && !resets.contains(&param) {
+        for param in 0..self.moved.params {
+            let is_new = instant.resets.contains(&param) || instant.changes.contains(&param);
+            if !is_first && !is_new {
                 continue;
             }
             match self.course.value(param, self.begin) {
                 Value::First => {}
+                Value::Recorded(value) => form.set_param(param, &[], value),
                 Value::Later(position) => {
                     let later = &self.later[position];
                     form.set_param(param, &later.slopes, later.rest);
@@ -258,17 +286,19 @@ impl Meeter<'_> {
         let mut params = form.param_box();
         let mut after = |part: Interval| {
             params[param] = part;
-            self.problem.flow.box_after(&states, &params, stretch)
+            self.moved.flow.box_after(&states, &params, stretch)
         };
         let is_told = self.problem.is_told_of[param];
         if !is_told && after(believed).is_some_and(|after| after.rests) {
             return Interval::point(believed.mid());
         }
         // What a state is at a sample may be after a jump there, which other inputs and parameters decide.
-        let may_cut = !self.problem.flow.has_jumps();
+        let may_cut = !self.moved.flow.has_jumps();
         let told = course.instants[self.begin + 1].told.iter();
-        let told = told.filter(|_| may_cut).filter_map(|(quantity, told)| {
-            let state = self.problem.quantities[*quantity].state()?;
+        let is_sure = |quantity: usize| !self.doubtful.get(quantity).is_some_and(Option::is_some);
+        let told = told.filter(|(quantity, _)| may_cut && is_sure(*quantity));
+        let told = told.filter_map(|(quantity, told)| {
+            let state = self.moved.quantities[*quantity].state()?;
             let is_output = *quantity < self.problem.outputs;
             let factor = self.factor.as_ref().filter(|_| is_output);
             let scaled = factor.and_then(|factor| Scaled::of(*told, factor));
@@ -304,7 +334,7 @@ impl Meeter<'_> {
             }
         }
         let left = Interval::new(lo, hi).unwrap_or(believed);
-        if self.span.aim != Aim::Bounds {
+        if self.span.aim.is_for_points() {
             Interval::point(left.mid())
         } else {
             self.is_complete = false;
@@ -324,17 +354,21 @@ impl Meeter<'_> {
         }
         let instant = &self.course.instants[sample];
         self.reached = sample;
-        let inputs = &instant.inputs;
+        let inputs = if self.span.aim.is_for_points() {
+            &instant.nominal
+        } else {
+            &instant.inputs
+        };
         let form = meeting.form;
         let both = self.course.inputs_at(sample);
-        if self.problem.flow.may_jump(form, &both) {
+        if self.moved.flow.may_jump(form, &both) {
             self.is_complete = false;
             return;
         }
         let factor = self.factor.clone();
         let (mut clear, mut blurred) = (false, false);
         for (quantity, told) in &instant.told {
-            let on_forms = &self.problem.quantities[*quantity];
+            let on_forms = &self.moved.quantities[*quantity];
             let Ok(strip) = form.strip(on_forms, inputs) else {
                 self.is_complete = false;
                 continue;
@@ -347,8 +381,12 @@ impl Meeter<'_> {
                 _ => None,
             };
             let largest = scaled.as_ref().map_or(*told, Scaled::largest);
-            self.judge(sample, rest + reach, largest);
-            if let (Some(state), true) = (on_forms.state(), told.is_point()) {
+            let is_doubtful = self.doubtful.get(*quantity).is_some_and(Option::is_some);
+            let number = (*quantity < self.problem.outputs)
+                .then(|| self.course.numbers[*quantity][sample])
+                .filter(|_| is_doubtful);
+            let is_possible = self.judge((sample, *quantity), number, rest + reach, largest);
+            if let (Some(state), true, false) = (on_forms.state(), told.is_point(), is_doubtful) {
                 hold(form, state, *told);
             }
             if *quantity < self.problem.outputs {
@@ -356,19 +394,31 @@ impl Meeter<'_> {
                 clear |= !is_blurred;
                 blurred |= is_blurred;
             }
+            let list = match &scaled {
+                Some(scaled) => scaled.rows(&strip.slopes, rest).to_vec(),
+                None => vec![(strip.slopes, rest, *told)],
+            };
+            if let (Some(number), Some(Some(doubtful))) = (number, self.doubtful.get_mut(*quantity))
+            {
+                let list = list.into_iter();
+                let list = list.map(|(slopes, rest, told)| (Affine { slopes, rest }, told));
+                if is_possible {
+                    doubtful.push((number, sample), list.collect(), &mut self.rows);
+                }
+                continue;
+            }
             let arriving = meeting.arriving.as_ref().filter(|arriving| {
                 on_forms.state() == Some(arriving.state)
                     && arriving.level.is_point()
                     && arriving.level == *told
             });
-            match (arriving, &scaled) {
-                (None, None) => self.rows.push(&strip.slopes, rest, *told, sample, 0),
-                (None, Some(scaled)) => {
-                    for (slopes, rest, told) in scaled.rows(&strip.slopes, rest) {
+            match arriving {
+                None => {
+                    for (slopes, rest, told) in list {
                         self.rows.push(&slopes, rest, told, sample, 0);
                     }
                 }
-                (Some(arriving), _) => self.arriving(arriving, sample),
+                Some(arriving) => self.arriving(arriving, sample),
             }
         }
         if clear {
@@ -413,10 +463,31 @@ impl Meeter<'_> {
         }
     }
 
-    fn judge(&mut self, sample: usize, enclosure: Interval, told: Interval) {
-        if self.span.aim != Aim::Slopes && !enclosure.intersects(told) && !enclosure.is_empty() {
-            self.conflict.get_or_insert(Conflict::Value { sample });
+    /// Whether a quantity may have a value that is told; if it cannot, that is a conflict, or an outlier where the sample,
+    /// of this number, may be one.
+    fn judge(
+        &mut self,
+        (sample, quantity): (usize, usize),
+        number: Option<usize>,
+        enclosure: Interval,
+        told: Interval,
+    ) -> bool {
+        if self.span.aim == Aim::Slopes || enclosure.intersects(told) || enclosure.is_empty() {
+            return true;
         }
+        let conflict = match (number, self.doubtful.get_mut(quantity)) {
+            (Some(number), Some(Some(doubtful))) => {
+                let samples = doubtful.exclude(number, sample);
+                samples.map(|samples| Conflict::Rows {
+                    samples: samples.into_iter().map(|sample| (sample, 0)).collect(),
+                })
+            }
+            _ => Some(Conflict::Value { sample }),
+        };
+        if self.conflict.is_none() {
+            self.conflict = conflict;
+        }
+        false
     }
 
     /// A sample tells that a state is on the level that it is on its way to: without capture it would be there or
@@ -448,6 +519,9 @@ impl Meeter<'_> {
                     let fixed = self.later.iter_mut().chain(&mut self.factor);
                     for affine in states.chain(fixed) {
                         affine.rescale(&by);
+                    }
+                    for doubtful in self.doubtful.iter_mut().flatten() {
+                        doubtful.rescale(&by);
                     }
                     self.scales = scales(form);
                 }

@@ -16,6 +16,7 @@ use super::cell::{BELIEVED, Cell, is_well_inside};
 use super::pass::Conflict;
 use super::problem::Problem;
 use super::region::Region;
+use super::rows::SEVERAL;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use veribound_interval::Interval;
@@ -391,6 +392,9 @@ pub(crate) fn reason_of(record: usize, samples: &[(usize, usize)]) -> Reason {
     let mut samples: Vec<usize> = own.map(|(sample, _)| *sample).collect();
     samples.sort_unstable();
     samples.dedup();
+    if samples.last() == Some(&SEVERAL) {
+        samples.clear();
+    }
     Reason::Samples { record, samples }
 }
 
@@ -441,7 +445,12 @@ impl Local {
             }
             is_inside = false;
             // How much of what is missing no halving brings.
-            let gap = outer.width() - if inner.is_empty() { 0.0 } else { inner.width() };
+            // Of one that may be an outlier nothing is known but what proves that it is none.
+            let gap = if outer == Interval::ENTIRE {
+                0.0
+            } else {
+                outer.width() - if inner.is_empty() { 0.0 } else { inner.width() }
+            };
             let reach = some.width().max(1e-300);
             let below = (inner.lo() - some.lo()).max(some.hi() - inner.hi());
             let below = if below.is_finite() { below } else { reach };

@@ -5,13 +5,15 @@
 )]
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::answer::{Conclusion, Refuted};
+use super::held::Held;
 use super::region::Region;
 use crate::signals::Signals;
 use veribound_flow::form::{Flow, Output, Stretch};
 use veribound_interval::{Decimal, Interval};
-use veribound_model::{Layout, Model, Sample, Var};
+use veribound_model::{Layout, Model, Outliers, Sample, Var};
 
 /// What a sample tells.
 #[derive(Debug, Clone)]
@@ -24,14 +26,23 @@ pub(crate) struct Instant {
     pub(crate) told: Vec<(usize, Interval)>,
     /// Inputs from now on.
     pub(crate) inputs: Vec<Interval>,
+    /// Some of these, for points.
+    pub(crate) nominal: Vec<Interval>,
     /// Parameters that may be new from now on.
     pub(crate) resets: Vec<usize>,
+    /// Inputs that are parameters, as these are numbered, and have another value from now on.
+    pub(crate) changes: Vec<usize>,
+    /// What these inputs have from now on, where it is no quantity.
+    pub(crate) held: Vec<Interval>,
 }
 
-/// The value that a parameter has after a reset.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// The value that a parameter has after a reset, or that an input has for a while.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Later {
+    /// Inputs that are parameters are numbered behind these.
     pub(crate) param: usize,
+    /// Its values before any sample.
+    pub(crate) believed: Interval,
     /// The sample from which on it holds,
     pub(crate) from: usize,
     /// and the one before which it ends: that of the next reset, or the number of samples.
@@ -39,7 +50,7 @@ pub(crate) struct Later {
 }
 
 /// Which value of a parameter that can be reset acts.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Value {
     /// That before any reset.
     First,
@@ -47,6 +58,34 @@ pub(crate) enum Value {
     Later(usize),
     /// One that lasts for one stretch only, since it may be reset again at the next sample.
     Passing,
+    /// That of an input, which is no quantity.
+    Recorded(Interval),
+}
+
+/// The equations as a pass moves forms by them.
+#[derive(Debug)]
+pub(crate) struct Moved {
+    pub(crate) flow: Flow,
+    /// Outputs first, then what signals prove to be zero.
+    pub(crate) quantities: Vec<Output>,
+    /// Number of parameters, with the inputs that are parameters.
+    pub(crate) params: usize,
+}
+
+impl Moved {
+    fn new(model: &Model, inputs: &[usize]) -> Moved {
+        let model = model.with_inputs_as_params(inputs);
+        let outputs = model.outputs.iter().map(|output| output.expr);
+        let zeros = model.signals.iter().flat_map(|signal| &signal.proves_zero);
+        Moved {
+            quantities: outputs
+                .chain(zeros.copied())
+                .map(|expr| Output::new(&model, expr))
+                .collect(),
+            params: model.params.len(),
+            flow: Flow::new(&model),
+        }
+    }
 }
 
 /// One record, with the start states that are its own.
@@ -54,10 +93,19 @@ pub(crate) enum Value {
 pub(crate) struct Course {
     pub(crate) instants: Vec<Instant>,
     pub(crate) stretches: Vec<Stretch>,
+    /// Those for points.
+    pub(crate) nominal: Vec<Stretch>,
     /// Start values that are believed before the record.
     pub(crate) start: Vec<Interval>,
-    /// Values of parameters after resets that last longer than a stretch, in order of time.
+    /// Values of parameters after resets that last longer than a stretch, and of inputs that are constant for a while,
+    /// in order of time; behind them those of inputs that need not be constant.
     pub(crate) later: Vec<Later>,
+    /// Number of the former.
+    pub(crate) firm: usize,
+    /// Number of parameters, without inputs.
+    pub(crate) params: usize,
+    /// For every output, how many samples before one tell it.
+    pub(crate) numbers: Vec<Vec<usize>>,
 }
 
 impl Course {
@@ -66,9 +114,14 @@ impl Course {
         self.instants.len().saturating_sub(1)
     }
 
-    /// The next sample from `from` on, and before `until`, at which a parameter may be reset.
-    pub(crate) fn next_reset(&self, from: usize, until: usize) -> Option<usize> {
-        (from..until).find(|sample| !self.instants[*sample].resets.is_empty())
+    /// The next sample from `from` on, and before `until`, at which one of the first `params` parameters may have a new
+    /// value.
+    pub(crate) fn next_reset(&self, from: usize, until: usize, params: usize) -> Option<usize> {
+        (from..until).find(|sample| {
+            let instant = &self.instants[*sample];
+            let mut changes = instant.changes.iter();
+            !instant.resets.is_empty() || changes.any(|param| *param < params)
+        })
     }
 
     /// The first sample at which a parameter may be reset, or the number of samples.
@@ -86,7 +139,9 @@ impl Course {
         if let Some((position, _)) = own.next() {
             return Value::Later(position);
         }
-        if self.first_reset(param) <= sample {
+        if let Some(input) = param.checked_sub(self.params) {
+            Value::Recorded(self.instants[sample].held[input])
+        } else if self.first_reset(param) <= sample {
             Value::Passing
         } else {
             Value::First
@@ -94,9 +149,9 @@ impl Course {
     }
 
     /// The values after resets that last longer than a stretch.
-    fn lasting(instants: &[Instant], params: usize) -> Vec<Later> {
+    fn lasting(instants: &[Instant], priors: &[Interval]) -> Vec<Later> {
         let mut later = Vec::new();
-        for param in 0..params {
+        for (param, believed) in priors.iter().enumerate() {
             let list = instants.iter().enumerate();
             let list = list.filter(|(_, instant)| instant.resets.contains(&param));
             let resets: Vec<usize> = list.map(|(sample, _)| sample).collect();
@@ -105,13 +160,13 @@ impl Course {
                 if until > from + 1 {
                     later.push(Later {
                         param,
+                        believed: *believed,
                         from: *from,
                         until,
                     });
                 }
             }
         }
-        later.sort_by_key(|later| (later.from, later.param));
         later
     }
 
@@ -166,15 +221,31 @@ fn needed(
     [early, late].concat()
 }
 
+/// How many samples before each tell an output.
+fn numbers(samples: &[Sample], output: usize) -> Vec<usize> {
+    let mut count = 0;
+    let number = |sample: &Sample| {
+        let before = count;
+        count += usize::from(sample.outputs[output].is_some());
+        before
+    };
+    samples.iter().map(number).collect()
+}
+
 /// A model with all its records.
 #[derive(Debug)]
 pub(crate) struct Problem {
-    pub(crate) flow: Flow,
+    /// Equations of what is proved of all solutions. Inputs that are constant for a while are parameters.
+    pub(crate) outer: Arc<Moved>,
+    /// Equations of points that are proved to agree: for these it is enough that inputs may be constant for a while.
+    pub(crate) points: Arc<Moved>,
+    /// Inputs that are parameters.
+    held: Held,
     pub(crate) layout: Layout,
-    /// Outputs first, then what signals prove to be zero.
-    pub(crate) quantities: Vec<Output>,
-    /// Number of outputs among them.
+    /// Number of outputs among the quantities.
     pub(crate) outputs: usize,
+    /// For each of them how many samples may be outliers, if some may.
+    pub(crate) outliers: Vec<Option<Outliers>>,
     /// For every parameter whether a quantity depends on it directly.
     pub(crate) is_told_of: Vec<bool>,
     pub(crate) courses: Vec<Course>,
@@ -187,6 +258,15 @@ pub(crate) struct Problem {
 /// Quantities of a region are in this order: the start states of every record, the values after resets of every
 /// record, the factor of errors if there is one, the parameters.
 impl Problem {
+    /// The equations for all solutions, or for points that are proved to agree.
+    pub(crate) fn moved(&self, for_points: bool) -> &Moved {
+        if for_points {
+            &self.points
+        } else {
+            &self.outer
+        }
+    }
+
     /// Positions of the start states of a record.
     pub(crate) fn starts(&self, record: usize) -> Range<usize> {
         let n = self.layout.states;
@@ -223,23 +303,28 @@ impl Problem {
 
     /// The values of parameters, after resets too, that last longer than a stretch of some record.
     pub(crate) fn lasting(&self) -> Vec<usize> {
-        let begin = self.starts(self.courses.len()).start;
-        let params = self.params();
-        let lasts = |quantity: &usize| {
-            let Some(param) = quantity.checked_sub(params.start) else {
-                return true;
-            };
+        let records = 0..self.courses.len();
+        let after = records.flat_map(|record| self.after_resets(record).map(|(_, at)| at));
+        let first = self.params().enumerate();
+        let first = first.filter(|(param, _)| {
             let mut courses = self.courses.iter();
-            courses.any(|course| course.first_reset(param) > 1 || course.end() < 1)
-        };
-        (begin..params.end).filter(lasts).collect()
+            courses.any(|course| course.first_reset(*param) > 1 || course.end() < 1)
+        });
+        after.chain(first.map(|(_, quantity)| quantity)).collect()
+    }
+
+    /// The values of parameters after resets in a record, each with its position.
+    pub(crate) fn after_resets(&self, record: usize) -> impl Iterator<Item = (Later, usize)> + '_ {
+        let later = self.courses[record].later.iter().copied();
+        let list = later.zip(self.later(record));
+        list.filter(|(later, _)| later.param < self.layout.params)
     }
 
     /// What is believed of every quantity before any sample.
     pub(crate) fn believed(&self) -> Vec<Interval> {
         let starts = self.courses.iter().flat_map(|course| course.start.iter());
         let later = self.courses.iter().flat_map(|course| &course.later);
-        let later = later.map(|later| &self.prior[later.param]);
+        let later = later.map(|later| &later.believed);
         let all = starts.chain(later).chain(&self.factor).chain(&self.prior);
         all.copied().collect()
     }
@@ -248,14 +333,15 @@ impl Problem {
 impl Problem {
     /// A model with records, the samples of each in order of time.
     pub(crate) fn of(model: &Model, records: &[Vec<Sample>]) -> Problem {
-        let mut problem = Problem::new(model);
+        let mut problem = Problem::new(model, Held::of(model, records));
         for samples in records {
             problem.add(model, samples);
         }
         problem
     }
 
-    fn new(model: &Model) -> Problem {
+    fn new(model: &Model, held: Held) -> Problem {
+        let outer = Arc::new(Moved::new(model, &held.inputs[..held.firm]));
         let outputs = model.outputs.iter().map(|output| output.expr);
         let zeros = model.signals.iter().flat_map(|signal| &signal.proves_zero);
         let told: Vec<Var> = outputs
@@ -268,13 +354,19 @@ impl Problem {
             is_told_of: params
                 .map(|param| told.contains(&Var::Param(param)))
                 .collect(),
-            flow: Flow::new(model),
+            points: match held.inputs.len() > held.firm {
+                true => Arc::new(Moved::new(model, &held.inputs)),
+                false => outer.clone(),
+            },
+            outer,
+            held,
             layout: model.layout(),
-            quantities: outputs
-                .chain(zeros.copied())
-                .map(|expr| Output::new(model, expr))
-                .collect(),
             outputs: model.outputs.len(),
+            outliers: model
+                .outputs
+                .iter()
+                .map(|output| output.outliers.filter(|outliers| outliers.most > 0))
+                .collect(),
             courses: Vec::new(),
             prior: model.params.iter().map(|param| param.bounds).collect(),
             factor: None,
@@ -360,18 +452,33 @@ impl Problem {
                 line: sample.line,
                 told,
                 inputs: sample.inputs.clone(),
+                nominal: self.held.for_points(&sample.inputs),
                 resets: resets.collect(),
+                changes: Vec::new(),
+                held: Vec::new(),
             });
         }
-        let stretches = samples.windows(2).map(|pair| Stretch {
-            inputs: pair[0].inputs.clone(),
-            dt: (&pair[1].time - &pair[0].time).to_interval(),
-        });
-        self.courses.push(Course {
-            later: Course::lasting(&instants, model.params.len()),
+        let stretches = |inputs: &dyn Fn(&Instant) -> Vec<Interval>| {
+            let pairs = instants.windows(2);
+            let stretches = pairs.map(|pair| Stretch {
+                inputs: inputs(&pair[0]),
+                dt: (&pair[1].time - &pair[0].time).to_interval(),
+            });
+            stretches.collect()
+        };
+        let mut course = Course {
+            later: Course::lasting(&instants, &self.prior),
+            firm: 0,
+            params: model.params.len(),
+            numbers: (0..self.outputs)
+                .map(|output| numbers(samples, output))
+                .collect(),
+            stretches: stretches(&|instant| instant.inputs.clone()),
+            nominal: stretches(&|instant| instant.nominal.clone()),
             instants,
-            stretches: stretches.collect(),
             start: model.states.iter().map(|state| state.init).collect(),
-        });
+        };
+        self.held.add(model, samples, &mut course);
+        self.courses.push(course);
     }
 }

@@ -8,11 +8,15 @@ use serde::{Deserialize, Serialize};
 use veribound_interval::Interval;
 use veribound_interval::round::{sub_down, sub_up};
 
+/// Rows that several samples say together have this for a sample.
+pub(crate) const SEVERAL: usize = u32::MAX as usize - 1;
+
 /// Two-sided inequalities `g·δ ∈ [b]` in unknowns `δ` of the unit box.
 ///
 /// Guarantee: for every solution that agrees with the record, and its unknowns `δ`, `g·δ` lies in
 /// [`Rows::outer`]. If `g·δ` lies in [`Rows::inner`], every solution with these unknowns agrees with the sample
-/// that the row is from, whatever inputs and rounding do.
+/// that the row is from, whatever inputs and rounding do; of samples that may be outliers there is a choice that
+/// inner rows leave out.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Rows {
     unknowns: usize,
@@ -75,6 +79,28 @@ impl Rows {
         self.origins.push((short(sample), short(record)));
     }
 
+    /// Adds what several samples say together: `g·δ` is in `bounds`.
+    pub(crate) fn push_outer(&mut self, slopes: &[f64], bounds: Interval) {
+        self.slopes.extend_from_slice(slopes);
+        self.outer.push(bounds);
+        self.inner.push(Interval::ENTIRE);
+        self.origins.push((short(SEVERAL), 0));
+    }
+
+    /// Adds what a point must meet, though others need not: the quantity `rest + g·δ` is in `measured`.
+    pub(crate) fn push_inner(
+        &mut self,
+        slopes: &[f64],
+        rest: Interval,
+        measured: Interval,
+        sample: usize,
+    ) {
+        self.slopes.extend_from_slice(slopes);
+        self.outer.push(Interval::ENTIRE);
+        self.inner.push(shrunk(measured, rest));
+        self.origins.push((short(sample), 0));
+    }
+
     /// Adds rows in some of the unknowns, of which `kept` tells the positions, from another record.
     pub(crate) fn take(&mut self, other: &Rows, kept: &[usize], record: usize) {
         for row in 0..other.len() {
@@ -111,7 +137,7 @@ impl Rows {
         for row in 0..self.len() {
             let reach: f64 = self.slopes(row).iter().map(|g| g.abs()).sum();
             let reach = Interval::symmetric(reach * (1.0 + 1e-12));
-            if reach.is_subset_of(self.inner[row]) {
+            if reach.is_subset_of(self.inner[row]) && reach.is_subset_of(self.outer[row]) {
                 continue;
             }
             if kept < row {
@@ -160,7 +186,7 @@ pub(crate) struct Scaled<'a> {
 }
 
 /// What reading a measurement and its error can round away, as share of the measurement.
-const READ: f64 = 1.0 / ((1_u64 << 44) as f64);
+pub(crate) const READ: f64 = 1.0 / ((1_u64 << 44) as f64);
 
 /// A measurement whose error is so many times as large.
 pub(crate) fn widened(told: Interval, times: f64) -> Interval {
@@ -251,7 +277,7 @@ fn rescale(slopes: &mut [f64], scales: &[(Interval, Interval)]) -> Interval {
 }
 
 /// All numbers `x` with `x + rest` inside `whole`, whatever `rest` is: rounded inward.
-fn shrunk(whole: Interval, rest: Interval) -> Interval {
+pub(crate) fn shrunk(whole: Interval, rest: Interval) -> Interval {
     if whole.is_empty() || rest.is_empty() {
         return Interval::EMPTY;
     }

@@ -13,6 +13,7 @@ use super::pass::Conflict;
 use super::pave::{self, Paving};
 use super::problem::Problem;
 use super::region::Region;
+use super::rows::SEVERAL;
 use super::windows::Junctions;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -30,6 +31,14 @@ struct Leaf {
     outer: Vec<Interval>,
     /// It cannot be divided any further.
     is_atom: bool,
+}
+
+impl Leaf {
+    /// Where it ends, so that the least of several decides a bound.
+    fn end(&self, quantity: usize, upper: bool) -> f64 {
+        let x = self.outer[quantity];
+        if upper { -x.hi() } else { x.lo() }
+    }
 }
 
 /// A search that brought bounds nearer by less than this factor for a while is over,
@@ -212,18 +221,20 @@ impl<'a> Search<'a> {
                 let quantity = self.wanted[*param];
                 let problem = self.problem;
                 let end = problem.climb(&best.region, &best.point, quantity, *side == 1)?;
-                problem.probe(&best.region, &end, best.reach)
+                problem.probe(&best.region, &end, &vec![best.reach; end.len()])
             }),
             Job::Middle(cell, reach) => {
                 let point = cell.deepest().0;
                 match self.problem.fit(&cell.region, &point) {
                     // It agrees; the question is how much around it is proved.
                     Some(fitted) => (0..TRIES).find_map(|nearer| {
-                        let reach = reach * NEARER.powi(nearer);
-                        let probed = self.problem.probe(&cell.region, &fitted, reach);
+                        let reaches = cell.reaches(reach * NEARER.powi(nearer));
+                        let probed = self.problem.probe(&cell.region, &fitted, &reaches);
                         probed.filter(|probed| !probed.points(&self.wanted).is_empty())
                     }),
-                    None => self.problem.probe(&cell.region, &point, *reach),
+                    None => self
+                        .problem
+                        .probe(&cell.region, &point, &cell.reaches(*reach)),
                 }
             }
         };
@@ -415,16 +426,11 @@ impl<'a> Search<'a> {
         gaps.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut chosen: Vec<usize> = Vec::new();
         for (_, quantity, upper) in gaps {
-            let end = |leaf: &Leaf| {
-                let x = leaf.outer[quantity];
-                if upper { -x.hi() } else { x.lo() }
-            };
+            let end = |position: &usize| self.state.leaves[*position].end(quantity, upper);
             let mut order: Vec<usize> = (0..self.state.leaves.len())
                 .filter(|k| !self.state.leaves[*k].is_atom)
                 .collect();
-            order.sort_by(|a, b| {
-                end(&self.state.leaves[*a]).total_cmp(&end(&self.state.leaves[*b]))
-            });
+            order.sort_by(|a, b| end(a).total_cmp(&end(b)));
             if let Some(extreme) = order.first()
                 && !chosen.contains(extreme)
             {
@@ -547,12 +553,8 @@ impl<'a> Search<'a> {
 
     /// The leaf that decides a bound.
     fn extreme(&self, quantity: usize, upper: bool) -> Option<usize> {
-        let end = |leaf: &Leaf| {
-            let x = leaf.outer[quantity];
-            if upper { -x.hi() } else { x.lo() }
-        };
-        let leaves = &self.state.leaves;
-        (0..leaves.len()).min_by(|a, b| end(&leaves[*a]).total_cmp(&end(&leaves[*b])))
+        let end = |position: &usize| self.state.leaves[*position].end(quantity, upper);
+        (0..self.state.leaves.len()).min_by(|a, b| end(a).total_cmp(&end(b)))
     }
 
     /// Halves of the leaves that decide what is not known well enough.
@@ -644,16 +646,19 @@ impl<'a> Search<'a> {
     /// What is known of the values that parameters have after resets.
     fn resets(&self, record: usize) -> Vec<AfterReset> {
         let course = &self.problem.courses[record];
-        let bounds = self.bounds(self.problem.later(record));
-        let both = course.later.iter().zip(bounds);
         let time = |sample: usize| course.instants[sample].time.clone();
-        both.map(|(later, bounds)| AfterReset {
-            param: later.param,
-            from: time(later.from),
-            until: time(later.until.min(course.end())),
-            bounds,
-        })
-        .collect()
+        let after = self.problem.after_resets(record);
+        after
+            .map(|(later, quantity)| AfterReset {
+                param: later.param,
+                from: time(later.from),
+                until: time(later.until.min(course.end())),
+                bounds: Bounds {
+                    outer: self.outer(quantity),
+                    inner: self.inner(quantity),
+                },
+            })
+            .collect()
     }
 
     /// The least factor of errors that is not excluded, and the least with which a point is proved to agree, with its
@@ -743,7 +748,9 @@ impl<'a> Search<'a> {
         all.sort_unstable();
         all.dedup();
         let record = all.last().map_or(0, |last| last.1);
-        let own = all.iter().filter(|(_, own)| *own == record);
+        let own = all
+            .iter()
+            .filter(|(sample, own)| *own == record && *sample != SEVERAL);
         let samples: Vec<usize> = own.map(|(sample, _)| *sample).collect();
         self.problem.refuted(record, samples)
     }

@@ -283,6 +283,11 @@ impl Program<'_> {
     /// Proved bounds of `direction·δ` over the box and the outer rows, which this program must be of; unbounded
     /// where they are lost to rounding.
     pub(crate) fn bounds(&self, direction: &[f64]) -> Interval {
+        self.bounds_because(direction).0
+    }
+
+    /// The same, with the rows that hold the lower and the upper bound, each with its multiplier.
+    pub(crate) fn bounds_because(&self, direction: &[f64]) -> (Interval, [Vec<(usize, f64)>; 2]) {
         let least = |sign: f64| {
             let direction: Vec<f64> = direction.iter().map(|x| sign * x).collect();
             let vertex = self.minimize(&direction);
@@ -291,9 +296,13 @@ impl Program<'_> {
             } else {
                 &vertex.multipliers
             };
-            minimum(self.rows, self.part, &direction, multipliers)
+            let least = minimum(self.rows, self.part, &direction, multipliers);
+            (least, vertex.multipliers)
         };
-        Interval::new(least(1.0), -least(-1.0)).unwrap_or(Interval::ENTIRE)
+        let (lo, below) = least(1.0);
+        let (hi, above) = least(-1.0);
+        let bounds = Interval::new(lo, -hi).unwrap_or(Interval::ENTIRE);
+        (bounds, [below, above])
     }
 }
 

@@ -11,7 +11,7 @@
 
 use std::collections::BTreeMap;
 
-use super::cell::BELIEVED;
+use super::cell::{BELIEVED, of_record};
 use super::eigen::eigenvectors;
 use super::pass::{Aim, Conflict, Passed, Span, contract, pass};
 use super::problem::Problem;
@@ -86,7 +86,7 @@ impl Problem {
         };
         let course = &self.courses[record];
         let until = course.end();
-        let (own, kept) = region.rows_of(&self.fixed_of(record));
+        let (own, kept) = region.rows_of(&self.fixed_of(record, false));
         let mut from = 0;
         let first = windows.last().and_then(|window| {
             let part = contract(&window.passed.rows).ok()?;
@@ -112,12 +112,12 @@ impl Problem {
             };
             *passes += 1;
             let wanted = known.range(from..).map(|(sample, _)| *sample).collect();
-            let mut passed = pass(self, course, span, self.set(record, rows), wanted);
+            let mut passed = pass(self, course, span, self.set(record, rows, false), wanted);
             if let Some(conflict) = passed.conflict {
-                return Err((record, conflict));
+                return Err(of_record(record, conflict));
             }
             passed.rows.prune();
-            let part = contract(&passed.rows).map_err(|conflict| (record, conflict))?;
+            let part = contract(&passed.rows).map_err(|conflict| of_record(record, conflict))?;
             let ended = passed.reached == until;
             link = anchored(&passed, &part, from, known).filter(|_| !ended);
             let both = passed.scales[fresh..].iter().zip(&part[fresh..]);

@@ -107,6 +107,29 @@ macro_rules! entries {
             self
         }
     };
+    (held_error) => {
+        /// From each sample to the next the error is constant.
+        pub fn error_constant_between_samples(&mut self) -> &mut Self {
+            let hold = Value::Text("sample".to_string());
+            self.0.set_inside("error", "hold", hold);
+            self
+        }
+
+        /// As long as the recorded value stays the same the error does, too.
+        pub fn error_constant_per_level(&mut self) -> &mut Self {
+            let hold = Value::Text("level".to_string());
+            self.0.set_inside("error", "hold", hold);
+            self
+        }
+    };
+    (outliers) => {
+        /// Of any `of` samples in a row at most `most` are off by more than the error bound.
+        pub fn outliers(&mut self, most: usize, of: usize) -> &mut Self {
+            let text = format!("{most} in {of}");
+            self.0.set("outliers", Value::Text(text));
+            self
+        }
+    };
     (relative_error) => {
         /// The largest error as a share of the recorded value, beside the absolute one.
         pub fn relative_error(&mut self, relative: impl Into<Number>) -> &mut Self {
@@ -134,12 +157,12 @@ entries! {
     ///
     /// ```
     /// # let mut model = veribound_model::build::ModelBuilder::new("rig");
-    /// let u = model.input("u").unit("N*m").column("torque").relative_error("0.1").symbol();
+    /// let u = model.input("u").unit("N*m").column("torque").relative_error("0.1").error_constant_per_level().symbol();
     /// assert!(model.to_toml().contains(
-    ///     r#"u = { unit = "N*m", column = "torque", error = { relative = 0.1 } }"#
+    ///     r#"u = { unit = "N*m", column = "torque", error = { relative = 0.1, hold = "level" } }"#
     /// ));
     /// ```
-    InputEntry: symbol, unit, column, domain, error, relative_error;
+    InputEntry: symbol, unit, column, domain, error, relative_error, held_error;
 
     /// An unknown function of time inside bounds; returned by
     /// [`ModelBuilder::disturbance`](super::ModelBuilder::disturbance).
@@ -194,9 +217,9 @@ entries! {
     /// ```
     /// # let mut model = veribound_model::build::ModelBuilder::new("rig");
     /// # let phi = model.state("phi").unit("rad").init(0, 0).symbol();
-    /// model.output("angle", &phi, "0.01").unit("rad").relative_error("0.001").column("phi_m");
+    /// model.output("angle", &phi, "0.01").unit("rad").relative_error("0.001").outliers(2, 100).column("phi_m");
     /// ```
-    OutputEntry: unit, column, error, relative_error;
+    OutputEntry: unit, column, error, relative_error, outliers;
 
     /// A binary column of the record; returned by [`ModelBuilder::signal`](super::ModelBuilder::signal).
     ///

@@ -8,7 +8,7 @@ mod structure;
 pub(crate) use bounds::spell;
 
 use crate::graph::Names;
-use crate::model::{ErrorBound, Guard, Model, Relation, Signal};
+use crate::model::{ErrorBound, Guard, Hold, Model, Outliers, Relation, Signal};
 use rows::{blanks, length, section};
 use std::fmt::Write;
 use veribound_interval::{Decimal, Interval};
@@ -83,7 +83,12 @@ impl Model {
         });
         section(out, "states", states.collect());
         let inputs = self.recorded_inputs().map(|input| {
-            let error = bound(&input.error);
+            let mut error = bound(&input.error);
+            match input.hold {
+                Hold::Free => {}
+                Hold::Sample => error.push_str(", constant from each sample to the next"),
+                Hold::Level => error.push_str(", constant while the recorded value is"),
+            }
             let column = column(&input.column);
             vec![
                 input.name.clone(),
@@ -96,10 +101,9 @@ impl Model {
         section(out, "inputs (held from sample to sample)", inputs.collect());
         let disturbances = self.disturbances().map(|(input, bounds)| {
             let bounds = format!("in {}", spell(bounds));
-            let held = if input.is_held {
-                "constant from each sample to the next"
-            } else {
-                "any function of time"
+            let held = match input.hold {
+                Hold::Free => "any function of time",
+                Hold::Sample | Hold::Level => "constant from each sample to the next",
             };
             vec![
                 input.name.clone(),
@@ -129,11 +133,16 @@ impl Model {
 
     fn describe_outputs(&self, names: &Names, out: &mut String) {
         let outputs = self.outputs.iter().map(|output| {
+            let mut error = bound(&output.error);
+            if let Some(Outliers { most, of }) = output.outliers {
+                let more = format!(", at most {most} of {of} samples in a row are outliers");
+                error.push_str(&more);
+            }
             vec![
                 output.name.clone(),
                 output.unit.clone(),
                 format!("= {}", self.shown(output.expr, names)),
-                bound(&output.error),
+                error,
                 column(&output.column),
             ]
         });

@@ -4,7 +4,7 @@ use crate::file::constants;
 use crate::file::quantities::unit;
 use crate::file::reader::{Reader, Table};
 use crate::file::scope::{Meaning, Scope};
-use crate::model::{ErrorBound, Input};
+use crate::model::{ErrorBound, Hold, Input};
 use toml::de::DeValue;
 use veribound_interval::{Decimal, Interval};
 
@@ -28,12 +28,12 @@ pub(crate) fn disturbances(
         scope.declare(reader, entry.key, entry.place.clone(), meaning);
         let what = format!("the range of `{}`", entry.key);
         let mut own_unit = String::new();
-        let mut is_held = false;
+        let mut hold = Hold::Free;
         let bounds = if matches!(entry.value.value, DeValue::Table(_)) {
             let table = reader.table(entry.value, entry.place.clone(), help);
             table.and_then(|table| {
                 reader.allow(&table, &["unit", "bounds", "hold"], "a disturbance");
-                is_held = is_constant_between_samples(reader, &table);
+                hold = held(reader, &table);
                 own_unit = unit(reader, &table);
                 let bounds = table.value("bounds");
                 if bounds.is_none() {
@@ -61,24 +61,24 @@ pub(crate) fn disturbances(
             },
             domain: Some(bounds),
             within: Some(bounds),
-            is_held,
+            hold,
         });
     }
 }
 
 /// Whether the disturbance says `hold = "sample"`.
-fn is_constant_between_samples(reader: &mut Reader, table: &Table) -> bool {
+fn held(reader: &mut Reader, table: &Table) -> Hold {
     let help = "write hold = \"sample\" for a value that is constant from each sample to the next, \
                 or leave it out for any function of time";
     let Some(value) = table.value("hold") else {
-        return false;
+        return Hold::Free;
     };
     let Some(text) = reader.string(value, help) else {
-        return false;
+        return Hold::Free;
     };
     if text.value != "sample" {
         let message = format!("there is no hold `{}`", text.value);
         reader.report("E0107", message, text.range, "unknown", help);
     }
-    true
+    Hold::Sample
 }

@@ -8,7 +8,7 @@ use crate::file::reader::{Entry, Reader, Table, Value};
 use crate::file::scope::{Equation, Meaning, Scope};
 use crate::file::text::Text;
 use crate::graph::{Node, Var};
-use crate::model::{ErrorBound, Output, Reset, Signal, State};
+use crate::model::{ErrorBound, Outliers, Output, Reset, Signal, State};
 use crate::syntax::{number, parse};
 use crate::units::{self, Unit};
 use std::ops::Range;
@@ -21,6 +21,7 @@ pub(crate) struct ReadOutput {
     pub unit: String,
     column: Option<String>,
     error: ErrorBound,
+    outliers: Option<Outliers>,
     pub equation: Equation,
 }
 
@@ -119,6 +120,7 @@ fn short_output(reader: &mut Reader, entry: &Entry, text: Text) -> Option<ReadOu
             absolute,
             relative: Decimal::zero(),
         },
+        outliers: None,
         equation: Equation { text, ast },
     })
 }
@@ -126,11 +128,13 @@ fn short_output(reader: &mut Reader, entry: &Entry, text: Text) -> Option<ReadOu
 fn long_output(reader: &mut Reader, entry: &Entry) -> Option<ReadOutput> {
     let help = "write { expr = \"phi\", unit = \"rad\", error = { absolute = 0.1 } }";
     let table = reader.table(entry.value, entry.place.clone(), help)?;
-    reader.allow(&table, &["expr", "unit", "error", "column"], "an output");
+    let keys = ["expr", "unit", "error", "column", "outliers"];
+    reader.allow(&table, &keys, "an output");
+    let outliers = outliers(reader, &table);
     let unit = unit(reader, &table);
     let column = column(reader, &table);
     let error = match table.value("error") {
-        Some(value) => error_bound(reader, &table, value),
+        Some(value) => error_bound(reader, &table, value, &[]),
         None => {
             no_bound(
                 reader,
@@ -163,8 +167,37 @@ fn long_output(reader: &mut Reader, entry: &Entry) -> Option<ReadOutput> {
         unit,
         column,
         error: error?,
+        outliers,
         equation: equation?,
     })
+}
+
+/// How many samples may be off by more than the bound: `outliers = "2 in 100"`.
+fn outliers(reader: &mut Reader, table: &Table) -> Option<Outliers> {
+    let help = "write outliers = \"2 in 100\": of any 100 samples in a row at most 2 are off by more than the error bound";
+    let text = reader.string(table.value("outliers")?, help)?;
+    let numbers: Option<Vec<usize>> = text
+        .value
+        .split(" in ")
+        .map(|number| number.trim().parse().ok())
+        .collect();
+    match numbers.as_deref() {
+        Some([most, of]) if most < of => Some(Outliers {
+            most: *most,
+            of: *of,
+        }),
+        Some([most, of]) => {
+            let message =
+                format!("{most} of {of} samples may be outliers: then none tells anything");
+            reader.report("E0107", message, text.range, "all of them", help);
+            None
+        }
+        _ => {
+            let message = format!("`{}` does not say how many of how many", text.value);
+            reader.report("E0107", message, text.range, "not understood", help);
+            None
+        }
+    }
 }
 
 fn no_bound(reader: &mut Reader, name: &str, place: Range<usize>, help: &str) {
@@ -436,6 +469,7 @@ pub(crate) fn lower_outputs(
                     column: output.column,
                     expr,
                     error: output.error,
+                    outliers: output.outliers,
                 });
             }
             Err(problems) => report_all(reader, &output.equation, problems),

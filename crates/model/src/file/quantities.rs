@@ -5,7 +5,7 @@ use crate::file::constants;
 use crate::file::reader::{Reader, Table, Value};
 use crate::file::scope::{Meaning, Scope};
 use crate::file::text::Text;
-use crate::model::{ErrorBound, Input, Param, State};
+use crate::model::{ErrorBound, Hold, Input, Param, State};
 use crate::units::{self, Unit};
 use std::ops::Range;
 use toml::de::DeValue;
@@ -77,7 +77,14 @@ pub(crate) fn column(reader: &mut Reader, table: &Table) -> Option<String> {
 }
 
 /// A hard error bound: `{ absolute = 0.1, relative = 0.01 }` or a number, which is absolute.
-pub(crate) fn error_bound(reader: &mut Reader, table: &Table, value: Value) -> Option<ErrorBound> {
+///
+/// What else the table may say, `more`, is for others to read.
+pub(crate) fn error_bound(
+    reader: &mut Reader,
+    table: &Table,
+    value: Value,
+    more: &[&str],
+) -> Option<ErrorBound> {
     let help = "write error = { absolute = 0.1 } or { relative = 0.01 }";
     let place = table
         .find("error")
@@ -90,7 +97,8 @@ pub(crate) fn error_bound(reader: &mut Reader, table: &Table, value: Value) -> O
         });
     }
     let table = reader.table(value, place.clone(), help)?;
-    reader.allow(&table, &["absolute", "relative"], "an error bound");
+    let keys = [&["absolute", "relative"], more].concat();
+    reader.allow(&table, &keys, "an error bound");
     let mut part = |key: &str| match table.value(key) {
         Some(value) => reader.magnitude(value, "an error bound", help),
         None => Some(Decimal::zero()),
@@ -111,6 +119,32 @@ pub(crate) fn error_bound(reader: &mut Reader, table: &Table, value: Value) -> O
         return None;
     }
     Some(bound)
+}
+
+/// How long the error of an input stays the same: `hold = "sample"` or `"level"` beside its bound.
+fn error_hold(reader: &mut Reader, value: Value) -> Hold {
+    let help = "write hold = \"sample\" for an error that is constant from each sample to the next, hold = \"level\" \
+                for one that is constant as long as the recorded value stays the same, or leave it out for any \
+                function of time";
+    let DeValue::Table(_) = value.value else {
+        return Hold::Free;
+    };
+    let table = reader.table(value, value.place(), help);
+    let Some(value) = table.and_then(|table| table.value("hold")) else {
+        return Hold::Free;
+    };
+    let Some(text) = reader.string(value, help) else {
+        return Hold::Free;
+    };
+    match text.value.as_str() {
+        "sample" => Hold::Sample,
+        "level" => Hold::Level,
+        other => {
+            let message = format!("there is no hold `{other}` of an error");
+            reader.report("E0107", message, text.range, "unknown", help);
+            Hold::Free
+        }
+    }
 }
 
 /// [states] as a table of tables or as a list of names, with start boxes there or in [init].
@@ -292,7 +326,7 @@ pub(crate) fn inputs(reader: &mut Reader, file: &Table, scope: &mut Scope) -> Ve
                 error: exact(),
                 domain: None,
                 within: None,
-                is_held: false,
+                hold: Hold::Free,
             });
         }
         return inputs;
@@ -316,7 +350,7 @@ pub(crate) fn inputs(reader: &mut Reader, file: &Table, scope: &mut Scope) -> Ve
             error: exact(),
             domain: None,
             within: None,
-            is_held: false,
+            hold: Hold::Free,
         };
         if let Some(table) = reader.table(entry.value, entry.place.clone(), help) {
             reader.allow(
@@ -329,10 +363,11 @@ pub(crate) fn inputs(reader: &mut Reader, file: &Table, scope: &mut Scope) -> Ve
             input.domain = table
                 .value("domain")
                 .and_then(|v| constants::range(reader, v, "the domain"));
-            if let Some(value) = table.value("error")
-                && let Some(bound) = error_bound(reader, &table, value)
-            {
-                input.error = bound;
+            if let Some(value) = table.value("error") {
+                if let Some(bound) = error_bound(reader, &table, value, &["hold"]) {
+                    input.error = bound;
+                }
+                input.hold = error_hold(reader, value);
             }
             if let Some(value) = table.value("hold")
                 && let Some(text) = reader.string(value, "write hold = \"zoh\"")

@@ -1,8 +1,8 @@
 //! What can be typed.
 
 use super::flags::{
-    Assignment, ColumnFlag, ErrorBoundFlag, ErrorFlag, PlaneFlag, ResetFlag, ZoomFlag, decimal,
-    not_negative, positive,
+    Assignment, ColumnFlag, ErrorBoundFlag, ErrorFlag, InputErrorFlag, PlaneFlag, ResetFlag,
+    ZoomFlag, decimal, not_negative, positive,
 };
 pub use super::identify::arguments::Identify;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -219,9 +219,10 @@ pub struct Weakening {
     #[arg(long, value_name = "PARAM@SIGNAL[:SECONDS]")]
     pub reset: Vec<ResetFlag>,
     /// Let an input differ from the record by more than the model file says: a share (10%) or an
-    /// absolute bound (0.02)
-    #[arg(long, value_name = "INPUT=BOUND")]
-    pub input_error: Vec<ErrorBoundFlag>,
+    /// absolute bound (0.02). The error may be any function of time; with @sample behind the bound it is constant
+    /// from each sample to the next, with @level as long as the recorded value stays the same
+    #[arg(long, value_name = "INPUT=BOUND[@HOLD]")]
+    pub input_error: Vec<InputErrorFlag>,
     /// Let a measured output differ from the record by more than the model file says, in the same way
     #[arg(long, value_name = "OUTPUT=BOUND")]
     pub output_error: Vec<ErrorBoundFlag>,

@@ -5,11 +5,11 @@
 //! solutions too. Flags that would shut solutions out are refused.
 
 use super::arguments::Weakening;
-use super::flags::{ErrorBoundFlag, ResetFlag};
+use super::flags::{ErrorBoundFlag, InputErrorFlag, ResetFlag};
 use super::message::{flag_problem, list};
 use veribound_interval::Decimal;
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
-use veribound_model::{ErrorBound, Model, Reset};
+use veribound_model::{ErrorBound, Hold, Model, Output, Reset};
 
 /// Changes the model as the flags say; gives a sentence for every change.
 pub fn weaken(model: &mut Model, flags: &Weakening) -> Result<Vec<String>, Diagnostics> {
@@ -38,6 +38,21 @@ pub fn weaken(model: &mut Model, flags: &Weakening) -> Result<Vec<String>, Diagn
     } else {
         Err(Diagnostics(problems))
     }
+}
+
+/// Refuses outputs that may have outliers, of which an observer could use no sample.
+pub fn refuse_outliers(model: &Model) -> Result<(), Diagnostic> {
+    let mut outputs = model.outputs.iter();
+    let may_miss = |output: &&Output| output.outliers.is_some_and(|outliers| outliers.most > 0);
+    let Some(output) = outputs.find(may_miss) else {
+        return Ok(());
+    };
+    let message = format!(
+        "the output `{}` may have outliers, and an observer, which goes sample by sample, can use no sample that may be one",
+        output.name
+    );
+    Err(Diagnostic::new("E0616", message)
+        .help("use `veribound identify`, which reads samples together, or remove `outliers` from the model file"))
 }
 
 fn reset(model: &mut Model, flag: &ResetFlag) -> Result<String, Diagnostic> {
@@ -103,7 +118,8 @@ fn reset(model: &mut Model, flag: &ResetFlag) -> Result<String, Diagnostic> {
     Ok(change)
 }
 
-fn input_error(model: &mut Model, flag: &ErrorBoundFlag) -> Result<String, Diagnostic> {
+fn input_error(model: &mut Model, flag: &InputErrorFlag) -> Result<String, Diagnostic> {
+    let (flag, hold) = (&flag.error, flag.hold);
     let known = list(model.recorded_inputs().map(|input| input.name.as_str()));
     let named = |name: &str| name == flag.name;
     let mut inputs = model.inputs.iter_mut();
@@ -116,7 +132,36 @@ fn input_error(model: &mut Model, flag: &ErrorBoundFlag) -> Result<String, Diagn
             format!("its inputs are {known}"),
         ));
     };
-    grow("--input-error", flag, &mut input.error, &input.unit)
+    let is_exact = input.error.absolute.is_zero() && input.error.relative.is_zero();
+    if !is_exact && strictness(hold) > strictness(input.hold) {
+        return Err(flag_problem(
+            "E0604",
+            format!(
+                "the model file lets the error of `{}` change more often; a flag cannot take that back",
+                flag.name
+            ),
+            ("--input-error", flag.text.as_str(), 0..flag.text.len()),
+            "more is known than the model file says",
+            "write hold in the model file if it is so",
+        ));
+    }
+    let mut change = grow("--input-error", flag, &mut input.error, &input.unit)?;
+    input.hold = hold;
+    match hold {
+        Hold::Free => {}
+        Hold::Sample => change.push_str(", by the same from each sample to the next"),
+        Hold::Level => change.push_str(", by the same as long as the recorded value is the same"),
+    }
+    Ok(change)
+}
+
+/// How much is said of the course of an error.
+fn strictness(hold: Hold) -> u8 {
+    match hold {
+        Hold::Free => 0,
+        Hold::Sample => 1,
+        Hold::Level => 2,
+    }
 }
 
 fn output_error(model: &mut Model, flag: &ErrorBoundFlag) -> Result<String, Diagnostic> {
@@ -182,10 +227,12 @@ mod tests {
     }
 
     fn flags(reset: &[&str], input_error: &[&str]) -> Weakening {
-        let bounds = |list: &[&str]| list.iter().map(|text| text.parse().unwrap()).collect();
         Weakening {
             reset: reset.iter().map(|text| text.parse().unwrap()).collect(),
-            input_error: bounds(input_error),
+            input_error: input_error
+                .iter()
+                .map(|text| text.parse().unwrap())
+                .collect(),
             output_error: Vec::new(),
         }
     }
@@ -224,6 +271,23 @@ mod tests {
         assert_eq!(weaker.inputs[0].error.absolute, number("0.02"));
         let refused = weaken(&mut model(), &flags(&[], &["u=1%"])).unwrap_err();
         assert_eq!(refused.0[0].code, "E0604");
+    }
+
+    #[test]
+    fn the_course_of_an_error_cannot_be_known_better() {
+        let refused = weaken(&mut model(), &flags(&[], &["u=10%@level"])).unwrap_err();
+        assert_eq!(refused.0[0].code, "E0604");
+        let mut exact = model();
+        exact.inputs[0].error.relative = number("0");
+        let said = weaken(&mut exact, &flags(&[], &["u=10%@level"])).unwrap();
+        assert_eq!(exact.inputs[0].hold, Hold::Level);
+        assert!(
+            said[0].ends_with("as long as the recorded value is the same"),
+            "{}",
+            said[0]
+        );
+        weaken(&mut exact, &flags(&[], &["u=20%"])).unwrap();
+        assert_eq!(exact.inputs[0].hold, Hold::Free);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::fmt;
 use std::ops::Range;
 use std::str::FromStr;
 use veribound_interval::Decimal;
+use veribound_model::Hold;
 
 /// A number on the command line, taken as the decimal it spells.
 pub fn decimal(text: &str) -> Result<Decimal, String> {
@@ -138,6 +139,40 @@ impl FromStr for ErrorBoundFlag {
             name: name.to_owned(),
             bound,
             is_relative,
+        })
+    }
+}
+
+/// `NAME=10%`, or `NAME=10%@level` where the error is constant as long as the recorded value stays the same;
+/// `@sample` where it is from each sample to the next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InputErrorFlag {
+    /// As typed.
+    pub text: String,
+    /// Name and bound.
+    pub error: ErrorBoundFlag,
+    /// How long the error stays the same.
+    pub hold: Hold,
+}
+
+impl FromStr for InputErrorFlag {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (error, hold) = match text.split_once('@') {
+            None => (text, Hold::Free),
+            Some((error, "sample")) => (error, Hold::Sample),
+            Some((error, "level")) => (error, Hold::Level),
+            Some(_) => {
+                return Err(
+                    "expected @level or @sample behind the bound, as in u=10%@level".to_owned(),
+                );
+            }
+        };
+        Ok(InputErrorFlag {
+            text: text.to_owned(),
+            error: error.parse()?,
+            hold,
         })
     }
 }
@@ -340,6 +375,9 @@ mod tests {
         let flag: ErrorBoundFlag = "u=10%".parse().unwrap();
         assert!(flag.is_relative);
         assert_eq!(flag.bound, number("0.1"));
+        let held: InputErrorFlag = "u=10%@level".parse().unwrap();
+        assert_eq!((&held.error, held.hold), (&flag, Hold::Level));
+        assert!("u=10%@".parse::<InputErrorFlag>().is_err());
         let flag: ErrorBoundFlag = "u = 0.02".parse().unwrap();
         assert!(!flag.is_relative);
         assert_eq!(flag.bound, number("0.02"));

@@ -124,6 +124,7 @@ impl Prepared {
         watch: &mut dyn FnMut(u64),
     ) -> Result<Prepared, Diagnostics> {
         let mut said = assumptions::weaken(&mut model, &arguments.assumptions.weakening)?;
+        assumptions::refuse_outliers(&model)?;
         let record = reading::open(source, &model, &arguments.reading, watch)?;
         let records = std::slice::from_ref(&record);
         said.extend(reading::assumed(&model, records, &arguments.reading));

@@ -92,6 +92,10 @@ pub fn of_identification(
     }
     put("sets", Value::Integer(arguments.sets as i64));
     put("least-error", Value::Boolean(arguments.least_error));
+    put(
+        "least-disturbance",
+        Value::Boolean(arguments.least_disturbance),
+    );
     // Results do not depend on it; where it is not given, it is the machine's.
     if let Some(threads) = arguments.threads {
         put("threads", Value::Integer(threads as i64));
@@ -154,10 +158,16 @@ fn put_weakening(table: &mut Table, given: &Weakening, assumptions: &[String]) {
     let mut put = |name: &str, value: Value| table.insert(name.to_owned(), value);
     put("reset", texts(given.reset.iter().map(|flag| &flag.text)));
     for (name, flags) in [
-        ("input_error", &given.input_error),
-        ("output_error", &given.output_error),
+        (
+            "input_error",
+            texts(given.input_error.iter().map(|flag| &flag.text)),
+        ),
+        (
+            "output_error",
+            texts(given.output_error.iter().map(|flag| &flag.text)),
+        ),
     ] {
-        put(name, texts(flags.iter().map(|flag| &flag.text)));
+        put(name, flags);
     }
     put("assumptions", texts(assumptions));
 }

@@ -17,7 +17,7 @@ use std::path::Path;
 use veribound_data::{ResultFile, ResultFolder, TableSource};
 use veribound_interval::{Decimal, Interval, round};
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
-use veribound_model::{ErrorBound, ExprId, Model, Output, Var};
+use veribound_model::{ErrorBound, ExprId, Hold, Model, Output, Var};
 
 /// The enclosure and the rounding to decimals may take this share of an error bound; more, and the
 /// record would be made of the method's width instead of the asked errors.
@@ -220,6 +220,8 @@ impl<'m> Prepared<'m> {
         let mut open = self.changes.iter().peekable();
         let mut text = header(arguments, model, draws.as_ref());
         let mut samples = 0;
+        // Errors drawn last, each with its input and what was recorded.
+        let mut last: Vec<(usize, Interval, Interval)> = Vec::new();
         while let Some(stretch) = profile.next()? {
             let Stretch {
                 time,
@@ -231,9 +233,19 @@ impl<'m> Prepared<'m> {
                 return Ok(None);
             }
             if let Some(draws) = &mut draws {
-                for (value, input) in inputs.iter_mut().zip(model.recorded_inputs()) {
-                    *value = draws.point(input.error.enclose(*value));
+                let recorded = inputs.clone();
+                for (at, input) in model.recorded_inputs().enumerate() {
+                    let Some(value) = inputs.get_mut(at) else {
+                        continue;
+                    };
+                    let same = last.iter().find(|(of, was, _)| *of == at && was == value);
+                    *value = match same {
+                        Some((.., drawn)) if input.hold == Hold::Level => *drawn,
+                        _ => draws.point(input.error.enclose(*value)),
+                    };
                 }
+                let pairs = recorded.into_iter().zip(&inputs).enumerate();
+                last = pairs.map(|(at, (was, drawn))| (at, was, *drawn)).collect();
             }
             let held = self.disturbances.iter();
             inputs.extend(held.map(|known| match (known, &mut draws) {

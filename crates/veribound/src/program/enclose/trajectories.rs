@@ -7,7 +7,7 @@ use veribound_data::Trajectories;
 use veribound_flow::form::Enclosure;
 use veribound_interval::{Decimal, Interval};
 use veribound_model::diagnostic::Diagnostic;
-use veribound_model::{Model, Var};
+use veribound_model::{Hold, Model, Var};
 
 /// Pieces of a stretch, each with inputs of its own.
 const PIECES: usize = 3;
@@ -130,7 +130,7 @@ impl Follow<'_> {
                     .zip(&stretch.inputs)
                     .zip(&mut inputs)
                 {
-                    if !input.is_held {
+                    if input.hold == Hold::Free {
                         *now = point(*bounds, noise);
                     }
                 }

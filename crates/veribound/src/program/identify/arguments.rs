@@ -44,6 +44,10 @@ pub struct Identify {
     /// told where nothing agrees
     #[arg(long, help_heading = "Method")]
     pub least_error: bool,
+    /// Also tell how often the declared errors of inputs and the disturbances must be taken at least for anything to
+    /// agree
+    #[arg(long, help_heading = "Method")]
+    pub least_disturbance: bool,
     /// Most sets of parameters that are looked at
     #[arg(long, value_name = "N", default_value_t = IdentifyOptions::default().sets,
           value_parser = count(1), help_heading = "Method")]

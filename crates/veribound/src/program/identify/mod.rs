@@ -20,8 +20,8 @@ use indicatif::ProgressBar;
 use std::time::Instant;
 use veribound_data::{Printed, Record, ResultFolder, TableSource};
 use veribound_estimate::identify::{
-    Bounds, Checkpoints, Conclusion, Identified, LeastError, Progress, Unreadable, least_error,
-    resume,
+    Bounds, Checkpoints, Conclusion, Identified, LeastError, Progress, Unreadable,
+    least_disturbance, least_error, resume,
 };
 use veribound_interval::Interval;
 use veribound_interval::text::upper;
@@ -42,6 +42,8 @@ pub struct Findings {
     pub identified: Identified,
     /// How large measurement errors must be for anything to agree, where that was looked for.
     pub least: Option<LeastError>,
+    /// The least errors of inputs and disturbances, where that was asked for.
+    pub least_disturbance: Option<LeastError>,
     /// Time spent, in seconds.
     pub seconds: f64,
     /// How it ended.
@@ -278,10 +280,21 @@ fn find(
     let is_refuted = matches!(identified.conclusion, Conclusion::Inconsistent(_));
     let is_asked = (is_refuted || arguments.least_error) && !identified.interrupted;
     let least = is_asked.then(|| least_error(model, &data.samples, &options, go_on));
+    let mut disturbed = None;
+    if arguments.least_disturbance && !identified.interrupted {
+        disturbed = least_disturbance(model, &data.samples, &options, go_on);
+        if disturbed.is_none() {
+            let message = "no input has an error, and there is no disturbance, whose least size could be told";
+            return Err(Diagnostic::new("E0617", message).help(
+                "declare one, as with `--input-error u=1%`, or leave out `--least-disturbance`",
+            ));
+        }
+    }
     Ok(Findings {
         ending: ending(&identified),
         identified,
         least,
+        least_disturbance: disturbed,
         seconds: begin.elapsed().as_secs_f64(),
     })
 }

@@ -5,7 +5,7 @@ use super::super::message::list;
 use super::super::numbers::{counted, show_times, shrink};
 use super::super::page::{Material, head};
 use super::super::verdict::NOTHING_EXPLAINS;
-use super::told::least_in_words;
+use super::told::{DISTURBED, MEASURED, least_in_words};
 use super::verdict::{problem, refuted_by};
 use super::{Data, Findings};
 use veribound_estimate::identify::{Bounds, Conclusion, Limit};
@@ -218,12 +218,18 @@ pub fn limit_in_words(limit: Limit) -> &'static str {
 
 fn limits(material: &Material<'_>, found: &Findings) -> Vec<String> {
     if matches!(found.identified.conclusion, Conclusion::Inconsistent(_)) {
-        let least = found.least.as_ref().map(|least| {
-            let said = least_in_words(least);
-            let mut letters = said.chars();
-            let first = letters.next().map(|c| c.to_uppercase().to_string());
-            format!("{}{}.", first.unwrap_or_default(), letters.as_str())
-        });
+        let measured = found.least.as_ref().map(|least| (MEASURED, least));
+        let disturbed = found.least_disturbance.as_ref();
+        let disturbed = disturbed.map(|least| (DISTURBED, least));
+        let least = measured
+            .into_iter()
+            .chain(disturbed)
+            .map(|(errors, least)| {
+                let said = least_in_words(errors, least);
+                let mut letters = said.chars();
+                let first = letters.next().map(|c| c.to_uppercase().to_string());
+                format!("{}{}.", first.unwrap_or_default(), letters.as_str())
+            });
         let nothing =
             "Nothing: there are no bounds. Widen what is not certain, one thing at a time.";
         return [nothing.to_owned()].into_iter().chain(least).collect();

@@ -78,6 +78,10 @@ pub fn summary(
             .least
             .as_ref()
             .map(|least| LeastErrors::new(least.factor, &model.params, least.point.as_deref())),
+        least_disturbance: found
+            .least_disturbance
+            .as_ref()
+            .map(|least| LeastErrors::new(least.factor, &model.params, least.point.as_deref())),
         paving: (!identified.tiles.is_empty())
             .then(|| Paving::new(identified.tiles.len(), inside, undecided)),
         points: identified.points.len(),
@@ -187,7 +191,10 @@ pub fn bounds(model: &Model, data: &Data, found: &Findings) -> String {
         push_bounds(&mut out, model, data, found);
     }
     if let Some(least) = &found.least {
-        let _ = writeln!(out, "  {}", least_in_words(least));
+        let _ = writeln!(out, "  {}", least_in_words(MEASURED, least));
+    }
+    if let Some(least) = &found.least_disturbance {
+        let _ = writeln!(out, "  {}", least_in_words(DISTURBED, least));
     }
     if !identified.tiles.is_empty() {
         let [inside, undecided] = shares(model, found);
@@ -223,15 +230,18 @@ pub fn table(
     out
 }
 
-/// How large measurement errors must be, in one sentence.
-pub fn least_in_words(least: &LeastError) -> String {
+/// What the least errors are of.
+pub const MEASURED: &str = "measurement errors";
+pub const DISTURBED: &str = "errors of inputs and disturbances";
+
+/// How large these errors must be, in one sentence.
+pub fn least_in_words(errors: &str, least: &LeastError) -> String {
     let (below, above) = (least.factor.lo(), least.factor.hi());
     let below = match below {
         none if none <= 0.0 => None,
         below => Some(lower(below, 4)),
     };
     let above = above.is_finite().then(|| upper(above, 4));
-    let errors = "measurement errors";
     match (below, above) {
         (Some(below), Some(above)) => {
             format!(
@@ -405,6 +415,7 @@ pub(super) mod tests {
                 limits: vec![Limit::Record, Limit::Budget],
             },
             least: None,
+            least_disturbance: None,
             seconds: 1.234,
             ending: Ending::Done,
         }
