@@ -168,6 +168,14 @@ fn numbers_of_an_identification_are_those_of_the_summary() {
         assert!(shown.contains(&"/parameters/k/inner/lo".to_owned()));
         assert!(shown.contains(&"/parameters/k/tightness".to_owned()));
     }
+    // What is left along the record; parameters that keep one value have no course.
+    let scene = scene(&page);
+    let groups = scene["groups"].as_array().unwrap();
+    let ids: Vec<&str> = groups.iter().filter_map(|one| one["id"].as_str()).collect();
+    assert_eq!(ids, ["outputs", "states"]);
+    assert_eq!(scene["tracks"][0]["cells"], 9);
+    let note = groups[0]["note"].as_str().unwrap();
+    assert!(note.starts_with("All that is left at each sample") && !note.contains("Beyond"));
 }
 
 #[test]
@@ -479,6 +487,34 @@ fn a_browser_shows_the_page_and_zooms_all_plots_together() {
     assert!((b - a - (to - from) / 2.0).abs() < 1e-9);
     browser.run("document.querySelector('#tools button').click()");
     assert_eq!(view(&browser), (0.0, 2.0));
+    assert_eq!(browser.complaints(), [""; 0]);
+    // Records of an identification have plots of their own, on one axis of time.
+    let longer = place.file("longer.csv", cart_record(31));
+    let words = [
+        "identify",
+        &model,
+        &record,
+        &longer,
+        "-o",
+        "both",
+        "--figures",
+        "none",
+    ];
+    let ran = place.run(&words);
+    assert!(matches!(ran.code, Some(0 | 3)), "{}", ran.err);
+    browser.open(&place.path().join("both/report.html"));
+    assert_eq!(view(&browser), (0.0, 3.0));
+    browser.drag("#plot-outputs", 0.25, 0.5);
+    browser.wait("document.querySelector('#plot-outputs').layout.xaxis.range[1] < 2.9");
+    let (from, _) = view(&browser);
+    for plot in ["#plot-outputs-2", "#plot-states-2"] {
+        browser.run(&format!(
+            "document.querySelector('{plot}').scrollIntoView()"
+        ));
+        browser.wait(&format!(
+            "document.querySelector('{plot}').layout?.xaxis.range[0] === {from}"
+        ));
+    }
     assert_eq!(browser.complaints(), [""; 0]);
 }
 
