@@ -75,7 +75,7 @@ fn numbers_of_an_observation_are_those_of_the_summary() {
     let place = Place::new();
     let (model, record) = place.cart(41);
     let ran = place
-        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .typed(&format!("observe {model} {record} -o out --figures none"))
         .ended(0);
     assert!(ran.out.contains("run.toml, report.html\n"), "{}", ran.out);
     let page = place.read("out/report.html");
@@ -107,7 +107,7 @@ fn a_refutation_is_shown_with_its_proof() {
     let model = place.file("m.toml", CART);
     let record = place.file("r.csv", cart_record(9).replace("0.4,1,", "0.4,1,9"));
     place
-        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .typed(&format!("observe {model} {record} -o out --figures none"))
         .ended(1);
     let page = place.read("out/report.html");
     let shown = agree(&numbers(&page), &place.read("out/summary.json"));
@@ -137,20 +137,9 @@ fn a_refutation_is_shown_with_its_proof() {
 fn numbers_of_an_identification_are_those_of_the_summary() {
     let place = Place::new();
     let (model, record) = place.cart(9);
-    let words = [
-        "identify",
-        &model,
-        &record,
-        "-o",
-        "out",
-        "--figures",
-        "none",
-        "--paving",
-        "20%",
-        "--sets",
-        "60",
-    ];
-    let ran = place.run(&words);
+    let ran = place.typed(&format!(
+        "identify {model} {record} -o out --figures none --paving 20% --sets 60"
+    ));
     assert!(matches!(ran.code, Some(0 | 3)), "{}", ran.err);
     let page = place.read("out/report.html");
     let summary = place.read("out/summary.json");
@@ -186,21 +175,11 @@ fn numbers_of_an_enclosure_are_those_of_the_summary() {
         "format = 1\nstates = [\"x\", \"y\"]\ninit.x = [0.5, 1]\ninit.y = 0\nparams.k = [0.5, 0.6]\nder.x = \"-k * x\"\n\
          der.y = \"x\"\noutputs.z = \"x + y +- 0.1\"\n",
     );
-    let words = [
-        "enclose",
-        &model,
-        "-o",
-        "out",
-        "--figures",
-        "none",
-        "--until",
-        "1",
-        "--every",
-        "0.1",
-        "--sample",
-        "2",
-    ];
-    place.run(&words).ended(0);
+    place
+        .typed(&format!(
+            "enclose {model} -o out --figures none --until 1 --every 0.1 --sample 2"
+        ))
+        .ended(0);
     let page = place.read("out/report.html");
     let shown = agree(&numbers(&page), &place.read("out/summary.json"));
     for at in [
@@ -253,7 +232,7 @@ fn texts_of_models_and_names_of_files_cannot_leave_their_place() {
     let place = Place::new();
     let (model, record) = evil(&place);
     place
-        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .typed(&format!("observe {model} {record} -o out --figures none"))
         .ended(0);
     let page = place.read("out/report.html");
     for bad in ["<img", "m&<b>", "r&<i>"] {
@@ -453,7 +432,7 @@ fn a_browser_shows_the_page_and_zooms_all_plots_together() {
     let place = Place::new();
     let (model, record) = evil(&place);
     place
-        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .typed(&format!("observe {model} {record} -o out --figures none"))
         .ended(0);
     browser.open(&place.path().join("out/report.html"));
     assert_eq!(browser.complaints(), [""; 0]);
@@ -490,17 +469,9 @@ fn a_browser_shows_the_page_and_zooms_all_plots_together() {
     assert_eq!(browser.complaints(), [""; 0]);
     // Records of an identification have plots of their own, on one axis of time.
     let longer = place.file("longer.csv", cart_record(31));
-    let words = [
-        "identify",
-        &model,
-        &record,
-        &longer,
-        "-o",
-        "both",
-        "--figures",
-        "none",
-    ];
-    let ran = place.run(&words);
+    let ran = place.typed(&format!(
+        "identify {model} {record} {longer} -o both --figures none"
+    ));
     assert!(matches!(ran.code, Some(0 | 3)), "{}", ran.err);
     browser.open(&place.path().join("both/report.html"));
     assert_eq!(view(&browser), (0.0, 3.0));
@@ -537,7 +508,7 @@ fn what_a_browser_draws_encloses_the_tables() {
     let rows: String = (0..3000).map(&mut row).collect();
     let record = place.file("r.csv", format!("t,u,pos\n{rows}"));
     place
-        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .typed(&format!("observe {model} {record} -o out --figures none"))
         .ended(0);
     browser.open(&place.path().join("out/report.html"));
     browser.wait("document.querySelector('#plot-outputs .scatterlayer')");
