@@ -167,6 +167,34 @@ fn numbers_of_an_identification_are_those_of_the_summary() {
     assert!(note.starts_with("All that is left at each sample") && !note.contains("Beyond"));
 }
 
+/// What a reset may change has bounds of its own for every value, in the table and over time.
+#[test]
+fn values_after_resets_are_on_the_page() {
+    let place = Place::new();
+    let model = place.file(
+        "m.toml",
+        "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.c = [0, 1]\nsignals.new = { from = \"column\" }\n\
+         events.lift = { when = \"new\", lasts = 0, action = \"reset c\" }\nder.x = \"-x\"\noutputs.y = \"x + c +- 0.01\"\n",
+    );
+    let record = "t,y,new\n0,1.5,0\n1,0.868,0\n2,0.385,1\n3,0.3,0\n";
+    let record = place.file("r.csv", record);
+    place
+        .typed(&format!("identify {model} {record} -o out --figures none"))
+        .ended(0);
+    let page = place.read("out/report.html");
+    let shown = agree(&numbers(&page), &place.read("out/summary.json"));
+    for at in ["/resets/0/lo", "/resets/0/inner/hi", "/parameters/c/hi"] {
+        assert!(shown.iter().any(|known| known == at), "no {at}");
+    }
+    assert!(page.contains("from 2 s to 3 s"));
+    let scene = scene(&page);
+    let last = scene["groups"].as_array().unwrap().last().unwrap();
+    assert_eq!(
+        (&last["id"], &last["panels"][0]["name"]),
+        (&json!("parameters"), &json!("c"))
+    );
+}
+
 #[test]
 fn numbers_of_an_enclosure_are_those_of_the_summary() {
     let place = Place::new();
