@@ -190,6 +190,15 @@ impl Found {
         Ok((bands.to_python(py, names)?, status, reasons.collect()))
     }
 
+    /// How large measurement errors must be for anything to agree, where that was looked for.
+    fn least_error(&self) -> Option<(f64, f64)> {
+        self.done
+            .found
+            .least
+            .as_ref()
+            .map(|least| ends(least.factor))
+    }
+
     /// Number of records.
     #[getter]
     fn records(&self) -> usize {

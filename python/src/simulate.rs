@@ -8,7 +8,7 @@ use crate::words;
 use pyo3::prelude::*;
 use veribound::program::arguments::{Command, Simulate};
 use veribound::program::progress::PARTS;
-use veribound::program::simulate::{Prepared, asks_for_forms};
+use veribound::program::simulate::{Prepared, asks_for_forms, refuse_flags};
 use veribound_data::TableSource;
 use veribound_model::Model;
 use veribound_model::diagnostic::Diagnostics;
@@ -62,6 +62,7 @@ fn work(
     inputs: Option<TableSource>,
     watch: &Watch,
 ) -> Result<(String, Vec<String>, bool), Diagnostics> {
+    refuse_flags(arguments)?;
     let prepared = Prepared::new(arguments, model, inputs)?;
     let mut text = String::new();
     let go_on = |part| {
@@ -78,8 +79,7 @@ fn work(
             text.push_str(line);
             Ok(())
         };
-        let each = &mut |_: &_, _: &_, _: &[_]| Ok(());
-        prepared.carry_out(arguments, with_forms, (&mut take, each), &go_on)
+        prepared.carry_out(arguments, with_forms, &mut take, &go_on)
     };
     let samples = match attempt(false) {
         Err(problems) if asks_for_forms(&problems) => attempt(true)?,

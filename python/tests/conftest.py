@@ -4,6 +4,7 @@ import os
 import pathlib
 import subprocess
 
+import numpy as np
 import pytest
 
 import veribound as vb
@@ -35,6 +36,28 @@ def push(rows=201, decimals=4):
     force = [0.5 if t < 0.5 else 5.0 for t in times]
     place = [round(0.5 * (5.0 - 1.0) / 2.0 * max(t - 0.5, 0.0) ** 2, decimals) for t in times]
     return {"t": times, "F": force, "pos": place}
+
+
+#: A heater that cools down to a room of unknown temperature.
+HEATER = """
+format = 1
+name = "heater"
+states = ["T [K]"]
+init   = { T = [79, 81] }
+[params]
+k = { unit = "1/s", bounds = [0.01, 1] }
+room = { unit = "K", bounds = [0, 40] }
+[der]
+T = "-k*(T - room)"
+[outputs]
+T_m = "T +- 0.5"
+"""
+
+
+def heated(rows=21):
+    """The record of k = 0.2 and a room of 20."""
+    times = np.arange(rows) * 0.5
+    return {"t": times, "T_m": np.round(20 + 60 * np.exp(-0.2 * times), 2)}
 
 
 def program():

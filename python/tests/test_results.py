@@ -14,29 +14,7 @@ import veribound as vb
 import veribound._interval
 import veribound._model
 import veribound._observer
-from conftest import EXAMPLES, push
-
-
-#: A heater that cools down to a room of unknown temperature.
-HEATER = """
-format = 1
-name = "heater"
-states = ["T [K]"]
-init   = { T = [79, 81] }
-[params]
-k = { unit = "1/s", bounds = [0.01, 1] }
-room = { unit = "K", bounds = [0, 40] }
-[der]
-T = "-k*(T - room)"
-[outputs]
-T_m = "T +- 0.5"
-"""
-
-
-def heated(rows=21):
-    """The record of k = 0.2 and a room of 20."""
-    times = np.arange(rows) * 0.5
-    return {"t": times, "T_m": np.round(20 + 60 * np.exp(-0.2 * times), 2)}
+from conftest import EXAMPLES, HEATER, heated, push
 
 
 def drawn(figure):

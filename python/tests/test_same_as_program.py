@@ -1,6 +1,8 @@
 """The same run by program and by Python gives the same bounds, to the bit."""
 
 import csv
+import inspect
+import re
 
 import numpy as np
 import pandas as pd
@@ -8,7 +10,7 @@ import polars as pl
 import pytest
 
 import veribound as vb
-from conftest import EXAMPLES, push, run
+from conftest import EXAMPLES, HEATER, heated, push, run
 
 RIG = EXAMPLES / "drive-train"
 #: The rig's first ten seconds: two starts, a stop, a reversal.
@@ -32,6 +34,24 @@ def bits(frame):
 @pytest.fixture(scope="module")
 def by_path():
     return vb.observe(RIG / "model.toml", RIG / "rig.csv", to=UNTIL)
+
+
+#: Flags that are about a terminal, or that other arguments of a call stand for.
+NOT_OPTIONS = {"output", "json", "quiet", "color", "help", "version", "input"}
+
+
+@pytest.mark.parametrize("command", ["observe", "identify", "enclose", "simulate"])
+def test_every_flag_of_the_program_is_an_option(command):
+    told = run(command, "--help").stdout
+    flags = {flag.replace("-", "_") for flag in re.findall(r"^ +(?:-\w, )?--([a-z-]+)", told, flags=re.MULTILINE)}
+    assert len(flags) > 10
+    options = {name.strip("_") for name in inspect.signature(getattr(vb, command)).parameters} - vb._words.OWN
+    assert options == flags - NOT_OPTIONS
+    if command == "observe":
+        followed = {name.strip("_") for name in inspect.signature(vb.Observer).parameters} - vb._words.OWN
+        # What a stream has none of: a file, its times, and what is written of it.
+        record = {"time", "column", "from", "to", "start_from"}
+        assert followed == options - record - {"figures", "report", "parquet", "zoom", "overlay"}
 
 
 def test_files_are_those_of_the_program(tmp_path):
@@ -92,6 +112,61 @@ def test_identify_agrees(tmp_path):
     assert bits(again.bounds) == bits(ours.bounds)
 
 
+def test_an_identification_goes_on_and_tells_the_least_error(tmp_path):
+    folder = EXAMPLES / "compartments"
+    given = {"records": folder / "record.csv", "least_error": True, "memory": 64, "figures": "none", "report": "none"}
+    ours = vb.identify(folder / "model.toml", **given, output=tmp_path / "a")
+    words = "--least-error --memory 64 --figures none --report none".split()
+    run("identify", folder / "model.toml", folder / "record.csv", *words, "-o", tmp_path / "b")
+    assert (tmp_path / "a" / "points.csv").read_bytes() == (tmp_path / "b" / "points.csv").read_bytes()
+    least = ours.least_error
+    # The record agrees, so that the declared errors are enough.
+    assert 0.9 < least.lo <= 1 and least.lo <= least.hi < 1.1
+    told = ours.summary["least_error"]
+    assert told["at_least"] <= least.lo and least.hi <= told["enough"]
+    assert vb.identify(folder / "model.toml", folder / "record.csv", sets=1).least_error is None
+    # Nothing is kept of a run that is done: it begins anew.
+    again = vb.identify(folder / "model.toml", **given, output=tmp_path / "a", resume=True)
+    assert bits(again.bounds) == bits(ours.bounds)
+    with pytest.raises(ValueError, match="give `output`"):
+        vb.identify(folder / "model.toml", folder / "record.csv", resume=True)
+
+
+def test_an_interrupted_identification_goes_on(tmp_path, rig):
+    given = {"to": 20, "sets": 12, "tightness": 1.0001, "figures": "none", "report": "none", "output": tmp_path / "out"}
+
+    class Enough(Exception):
+        pass
+
+    def end(sets, *_):
+        if sets > 2:
+            raise Enough
+
+    with pytest.raises(Enough):
+        rig.identify(RIG / "rig.csv", **given, progress=end)
+    assert (tmp_path / "out" / "checkpoint.bin").exists()
+    whole = rig.identify(RIG / "rig.csv", **{**given, "output": None})
+    gone_on = rig.identify(RIG / "rig.csv", **given, resume=True)
+    assert bits(gone_on.bounds) == bits(whole.bounds)
+
+
+def test_engines_are_those_of_the_program(tmp_path):
+    model, record = tmp_path / "heater.toml", tmp_path / "record.csv"
+    model.write_text(HEATER)
+    pd.DataFrame(heated()).to_csv(record, index=False)
+    given = {"engine": "forms", "boxes": 4, "figures": "none", "report": "none"}
+    run("observe", model, record, *"--engine forms --boxes 4 --figures none --report none -o".split(), tmp_path / "b")
+    forms = vb.observe(model, record, **given, output=tmp_path / "a")
+    assert (tmp_path / "a" / "params.csv").read_bytes() == (tmp_path / "b" / "params.csv").read_bytes()
+    assert forms["k"].width < vb.observe(model, record, boxes=4)["k"].width
+    observer = vb.Observer(model, engine="forms", boxes=4)
+    for t, temperature in zip(*heated().values()):
+        step = observer.step(t, T_m=temperature)
+    assert list(step["k"]) == list(forms["k"])
+    with pytest.raises(vb.Error, match="fastest"):
+        vb.observe(model, record, engine="fastest")
+
+
 def test_enclose_agrees(tmp_path):
     model = EXAMPLES / "lotka-volterra" / "model.toml"
     vb.enclose(model, until=2, every=0.1, output=tmp_path / "a", figures="none")
@@ -119,6 +194,18 @@ def test_simulate_agrees(tmp_path, rig):
     # The first line tells the command, with the name of the profile.
     assert ours.text.splitlines()[1:] == theirs.read_text().splitlines()[1:]
     assert len(ours.frame) == 501
+
+
+def test_drawn_records_and_their_trajectories_agree(tmp_path):
+    model = EXAMPLES / "bouncing-ball" / "model.toml"
+    ours = vb.simulate(model, random=True, seed=4, until=1, every=0.01, trajectory=tmp_path / "a", figures="svg")
+    words = "--random --seed 4 --until 1 --every 0.01 --figures svg".split()
+    run("simulate", model, *words, "--trajectory", tmp_path / "b", "-o", tmp_path / "drawn.csv")
+    assert ours.text.splitlines()[1:] == (tmp_path / "drawn.csv").read_text().splitlines()[1:]
+    for name in ("trajectory.csv", "fig/states.svg"):
+        assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes(), name
+    with pytest.raises(vb.Error, match="E0612"):
+        vb.simulate(model, random=True, until=1, every=0.1, trajectory=tmp_path / "c", figures="none,svg")
 
 
 def test_a_stream_of_samples_is_a_record(rig, by_path):

@@ -28,13 +28,14 @@ pub use reader::table::{TableReader, TableRow};
 pub use record::{Record, RecordOptions, Samples};
 pub use results::described::ModelSummary;
 pub use results::enclosed::{
-    EnclosureSummary, EnclosureWork, PastUse, RangeSummary, Reach, Time, Trajectories,
+    EnclosureSummary, EnclosureWork, PastUse, RangeSummary, Reach, Trajectories,
 };
 pub use results::folder::{CompleteFile, ResultFile, ResultFolder};
 pub use results::identified::{
     IdentifiedParameter, IdentifiedReset, IdentifiedStart, IdentifiedState, IdentifiedSummary,
     IdentifiedWork, LeastErrors, Paving, RefutedTogether,
 };
+pub use results::number::Time;
 pub use results::printed::Printed;
 pub use results::run_info::{FileInfo, Platform, Program, RecordInfo, RunInfo};
 pub use results::start::Start;

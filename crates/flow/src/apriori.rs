@@ -16,6 +16,21 @@ use veribound_interval::lanes::{Floats, Interval8, LANES, Mask};
 const ROUNDS: usize = 12;
 
 /// Why no a-priori box was found.
+///
+/// ```
+/// use veribound_flow::{AprioriFailure, StepFailure, StepOptions, System, Workspace};
+/// # use veribound_interval::Interval;
+///
+/// // x' = x² from 1 is infinite after a second.
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nder.x = \"x^2\"\noutputs.y = \"x +- 0.01\"";
+/// let model = veribound_model::Model::from_text("m.toml", text)?;
+/// let system = System::new(&model);
+/// let options = StepOptions { halvings: 3, ..StepOptions::default() };
+/// let mut workspace = Workspace::new(&system, options);
+/// let failed = system.step(&mut [Interval::ONE], &[], &[], Interval::point(2.0), &mut workspace);
+/// assert!(matches!(failed, Err(StepFailure::Apriori(AprioriFailure::TooLong))));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AprioriFailure {
     /// Candidate boxes kept growing: the step is too long for this box.

@@ -191,6 +191,32 @@ impl Workspace {
 
 /// One more box at the end of a step that jumps, for a box of which some solutions jumped and others
 /// did not, or some earlier and some later.
+///
+/// ```
+/// use veribound_flow::{Branch, StepOptions, System, Workspace};
+/// use veribound_interval::Interval;
+///
+/// // A ball that has reached the floor, or not.
+/// let text = r#"
+///     format = 1
+///     states = ["h", "v"]
+///     init = { h = 1, v = 0 }
+///     der = { h = "v", v = "-10" }
+///     jumps.floor = { when = "h <= 0 and v <= 0", set.v = "-0.5*v" }
+///     outputs.y = "h +- 0.1"
+/// "#;
+/// let model = veribound_model::Model::from_text("ball.toml", text)?;
+/// let system = System::new(&model);
+/// let mut workspace = Workspace::new(&system, StepOptions::default());
+/// let mut states = [Interval::new(0.05, 0.2).unwrap(), Interval::point(-1.0)];
+/// let moved = system.step(&mut states, &[], &[], Interval::point(0.1), &mut workspace);
+/// moved.map_err(|failed| format!("{failed:?}"))?;
+/// let others: &[Branch] = workspace.branches();
+/// assert!(!others.is_empty() && others[0].states.len() == 2);
+/// // The hull holds both kinds: falling, and thrown back.
+/// assert!(states[1].contains(-2.0) && states[1].hi() > 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Branch {
     /// Where the box stood among the eight.

@@ -84,6 +84,15 @@ pub(crate) struct Choice {
 
 /// One state is the integral of another one in every mode, as an angle is of its angular velocity,
 /// and never jumps; the other one may.
+///
+/// ```
+/// use veribound_flow::{Integral, System};
+///
+/// let text = "format = 1\nstates = [\"x\", \"v\"]\ninit = { x = 0, v = 0 }\nder = { x = \"v\", v = \"-x\" }\noutputs.y = \"x +- 0.1\"";
+/// let model = veribound_model::Model::from_text("m.toml", text)?;
+/// assert_eq!(System::new(&model).integrals(), [Integral { state: 0, rate: 1 }]);
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Integral {
     /// The state whose derivative is the other one.

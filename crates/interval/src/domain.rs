@@ -18,6 +18,14 @@
 use crate::Interval;
 
 /// How regular an operation or an expression is on a whole box; later is better.
+///
+/// ```
+/// use veribound_interval::{Interval, Regularity, domain};
+///
+/// let x = Interval::new(-1.0, 4.0).unwrap();
+/// assert_eq!(domain::sqrt(x), Regularity::Undefined);
+/// assert!(domain::everywhere([x]) > domain::abs(x) && domain::abs(x) == Regularity::Kink);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Regularity {
     /// Not defined somewhere on the box: a division by zero, the root of a negative number.

@@ -13,6 +13,12 @@ use crate::{Decimal, DecimalError, Interval, rational_to_interval};
 const LIMIT: usize = 10_000;
 
 /// Why a text is not a number or an interval.
+///
+/// ```
+/// use veribound_interval::{LiteralError, literal};
+///
+/// assert_eq!(literal::number("1/0"), Err(LiteralError::ZeroDenominator));
+/// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LiteralError {

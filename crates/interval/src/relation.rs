@@ -8,6 +8,14 @@ use crate::Interval;
 
 /// How two intervals lie to each other (IEEE 1788 `overlap`, after Allen): the name tells where the first
 /// one is.
+///
+/// ```
+/// use veribound_interval::{Interval, Overlap};
+///
+/// let of = |lo, hi| Interval::new(lo, hi).unwrap();
+/// assert_eq!(of(1.0, 2.0).overlap(of(2.0, 3.0)), Overlap::Meets);
+/// assert_eq!(of(1.0, 2.0).overlap(of(0.0, 3.0)), Overlap::ContainedBy);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Overlap {
     /// Neither has an element.

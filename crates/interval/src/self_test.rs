@@ -6,6 +6,13 @@ use std::hint::black_box;
 use crate::round;
 
 /// The property of the arithmetic that every proof here relies on and that does not hold.
+///
+/// ```
+/// use veribound_interval::{SelfTestError, self_test};
+///
+/// assert_eq!(self_test(), Ok(()));
+/// assert!(!SelfTestError::NotRoundedToNearest.to_string().is_empty());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SelfTestError {

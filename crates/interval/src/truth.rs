@@ -5,6 +5,15 @@ use std::ops::Not;
 use crate::Interval;
 
 /// What is known about a claim on unknown numbers that lie in known intervals.
+///
+/// ```
+/// use veribound_interval::{Interval, Truth};
+///
+/// let (x, y) = (Interval::new(0.0, 2.0).unwrap(), Interval::new(1.0, 3.0).unwrap());
+/// assert_eq!(x.less(y), Truth::Unknown);
+/// assert_eq!(x.less(y + Interval::point(2.0)), Truth::True);
+/// assert!(Truth::True.and(Truth::Unknown).is_possible());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Truth {
     /// The claim holds for all numbers in the intervals.

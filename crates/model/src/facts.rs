@@ -9,6 +9,17 @@ use veribound_interval::Interval;
 ///
 /// *Guarantee*: a property that is claimed holds; one that is not claimed may hold too. Derivatives are
 /// the generalised ones at kinks.
+///
+/// ```
+/// use veribound_model::{Facts, Model, ModeFacts};
+///
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [1, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.1\"";
+/// let facts: Facts = Model::from_text("m.toml", text)?.facts();
+/// let only: &ModeFacts = &facts.modes[0];
+/// assert!(only.affine_in_states && only.affine_in_params && only.is_cooperative());
+/// assert!(only.jacobian[0][0].contains(-1.5) && facts.switching.is_empty());
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Facts {
     /// One for each mode.
@@ -19,6 +30,8 @@ pub struct Facts {
 }
 
 /// What is proved about the right-hand side of one mode.
+///
+/// Example: [`Facts`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModeFacts {
     /// Every derivative is an affine function of the states, for fixed parameters and inputs.

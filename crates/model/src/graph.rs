@@ -16,6 +16,8 @@ pub use function::{Binary, Unary};
 pub use show::Names;
 
 /// A node of a [`Graph`].
+///
+/// Example: [`Graph`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ExprId(u32);
 
@@ -27,6 +29,8 @@ impl ExprId {
 }
 
 /// A quantity an expression can depend on, by its position in the model.
+///
+/// Example: [`Graph`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Var {
     /// Index into [`crate::Model::states`].
@@ -38,6 +42,8 @@ pub enum Var {
 }
 
 /// One operation of a [`Graph`].
+///
+/// Example: [`Graph`].
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub enum Node {
     /// An exact number.
@@ -58,6 +64,8 @@ pub enum Node {
 
 /// `yes` where the test is positive, `no` where it is negative, both and everything between where it is
 /// zero. What is not taken need not be defined.
+///
+/// Example: [`Graph`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Choice {
     /// What is asked.
@@ -73,6 +81,28 @@ pub struct Choice {
 /// Building an expression simplifies it by rules that hold for all real arguments for which the
 /// unsimplified expression is defined; where it was not defined, the simplified one may be, so an
 /// enclosure of it still contains every value of the original.
+///
+/// ```
+/// use veribound_interval::Interval;
+/// use veribound_model::{Binary, Choice, ExprId, Graph, Level, Names, Node, Unary, Var};
+///
+/// let names = Names { states: vec!["v".to_owned()], ..Names::default() };
+/// let mut graph = Graph::default();
+/// let v: ExprId = graph.var(Var::State(0));
+/// let (one, friction) = (graph.integer(1), graph.unary(Unary::Sign, v));
+/// let drag = graph.binary(Binary::Mul, friction, v);
+/// assert_eq!(graph.show(drag, &names), "v*sign(v)");
+/// let range = graph.eval_interval(drag, &|_| Interval::new(-2.0, -1.0).unwrap());
+/// assert!(range.contains(1.5));
+/// assert_eq!(graph.variables(drag), [Var::State(0)]);
+///
+/// // A choice, and the value of the state at which it changes.
+/// let test = graph.sub(v, one);
+/// let choice = graph.choose(test, drag, one);
+/// assert_eq!(graph.node(choice), &Node::Choose(Choice { test, yes: drag, no: one }));
+/// let Level { state, value, .. } = graph.level(test).unwrap();
+/// assert_eq!((state, value), (0, Interval::ONE));
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Graph {
     nodes: Vec<Node>,

@@ -320,6 +320,27 @@ pub struct Mode {
 /// At any time one mode of every group acts, independently of the other groups: where several modes
 /// of a group are possible, the velocity of its states is in the convex hull of theirs. Fifty masses
 /// with friction are fifty groups of three modes; as modes of the whole model they were `3^50`.
+///
+/// ```
+/// use veribound_model::{Jump, Model, ModeGroup, Term};
+///
+/// let text = r#"
+///     format = 1
+///     states = ["h", "v"]
+///     init = { h = [1, 2], v = 0 }
+///     der = { h = "v", v = "-9.81 - sign(v)*0.1" }
+///     jumps.floor = { when = "h <= 0 and v <= 0", set.v = "-0.8*v" }
+///     outputs.y = "h +- 0.1"
+/// "#;
+/// let model = Model::from_text("ball.toml", text)?;
+/// let free: &ModeGroup = &model.groups[0];
+/// assert_eq!(free.modes, 0..model.modes.len());
+/// let floor: &Jump = &model.jumps[0];
+/// assert_eq!((floor.name.as_str(), floor.set[0].0), ("floor", 1));
+/// let drag: &Term = model.terms.iter().find(|term| term.text.contains("sign")).unwrap();
+/// assert_eq!(drag.state, 1);
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ModeGroup {
     /// Indices into [`Model::states`], growing.
@@ -333,6 +354,8 @@ pub struct ModeGroup {
 /// Solutions flow where no jump's condition holds and jump where one does. On the border they may do
 /// either; one that no flow takes away from a point, and that a jump leaves where it is, stays there, as
 /// a ball at rest on the floor does.
+///
+/// Example: [`ModeGroup`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Jump {
     /// The user's name.
@@ -390,6 +413,8 @@ pub enum Guard {
 }
 
 /// A comparison with zero.
+///
+/// Example: [`Guard`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Relation {
     /// `< 0`
@@ -407,6 +432,8 @@ pub enum Relation {
 }
 
 /// A term of a right-hand side, to be named in messages.
+///
+/// Example: [`ModeGroup`].
 #[derive(Debug, Clone)]
 pub struct Term {
     /// Index into [`Model::states`] of the state whose derivative it belongs to.

@@ -4,6 +4,8 @@ use veribound_interval::Regularity;
 use veribound_interval::lanes::Lanewise;
 
 /// How regular an expression is on a whole box: one truth value, or one for each of several boxes.
+///
+/// Example: [`Tape`](crate::Tape).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Regular<M = bool> {
     undefined: M,

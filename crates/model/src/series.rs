@@ -15,12 +15,47 @@ use veribound_interval::{Interval, Regularity, domain};
 ///
 /// States are series; parameters and inputs are constants. Source: the classical recurrences of
 /// automatic differentiation in Taylor arithmetic (Moore 1966).
+///
+/// ```
+/// use veribound_interval::Interval;
+/// use veribound_interval::lanes::{Arithmetic, Kernel, Value};
+/// use veribound_model::{Coefficients, Graph, Layout, SeriesTape, Var};
+///
+/// let layout = Layout { states: 1, params: 0, inputs: 0 };
+/// let mut graph = Graph::default();
+/// let x = graph.var(Var::State(0));
+/// let square = graph.powi(x, 2);
+/// let tape = SeriesTape::compile(&graph, layout, &[square]);
+///
+/// /// The square of `3 + 2 t`.
+/// struct Square<'t>(&'t SeriesTape);
+///
+/// impl Kernel<Interval> for Square<'_> {
+///     type Output = [Interval; 3];
+///
+///     #[inline(always)]
+///     fn run<A: Arithmetic<Value = Interval>>(self) -> [Interval; 3] {
+///         let mut series: Coefficients<Interval> = self.0.coefficients(2);
+///         self.0.set_quantity(0, 0, Interval::point(3.0), &mut series);
+///         self.0.set_quantity(0, 1, Interval::point(2.0), &mut series);
+///         for order in 0..=2 {
+///             self.0.compute::<A>(order, &mut series);
+///         }
+///         [0, 1, 2].map(|order| self.0.output(0, order, &series))
+///     }
+/// }
+///
+/// // 9 + 12 t + 4 t²
+/// assert_eq!(Interval::run(Square(&tape)), [9.0, 12.0, 4.0].map(Interval::point));
+/// ```
 #[derive(Debug, Clone)]
 pub struct SeriesTape {
     tape: Tape,
 }
 
 /// The coefficients of every register of one [`SeriesTape`], on one box or on eight side by side.
+///
+/// Example: [`SeriesTape`].
 #[derive(Debug, Clone)]
 pub struct Coefficients<V> {
     stride: usize,

@@ -25,6 +25,8 @@ use veribound_interval::Interval;
 use veribound_interval::lanes::{Lanewise, Value};
 
 /// Numbers of states, parameters and inputs: where each quantity stands in a flat list of them.
+///
+/// Example: [`Tape`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
     /// Number of states.
@@ -106,6 +108,25 @@ pub(crate) struct Instruction {
 }
 
 /// Instructions that evaluate some expressions on intervals.
+///
+/// ```
+/// use veribound_interval::Interval;
+/// use veribound_model::{Graph, Layout, Regular, Tape, Var};
+///
+/// let layout = Layout { states: 1, params: 1, inputs: 0 };
+/// let mut graph = Graph::default();
+/// let (x, k) = (graph.var(Var::State(0)), graph.var(Var::Param(0)));
+/// let product = graph.mul(k, x);
+/// let tape = Tape::compile(&graph, layout, &[product]);
+/// let mut registers = tape.registers();
+/// let mut quantities = [Interval::new(1.0, 2.0).unwrap(), Interval::new(-3.0, 3.0).unwrap()];
+/// let regular: Regular = tape.eval(&quantities, &mut registers);
+/// assert!(regular.is_smooth());
+/// assert_eq!(tape.output(0, &registers), Interval::new(-6.0, 6.0).unwrap());
+/// // What the quantities must be for a product of 4.
+/// tape.contract(&mut quantities, Interval::point(4.0), &mut registers);
+/// assert_eq!(quantities[layout.index(Var::Param(0))], Interval::new(2.0, 3.0).unwrap());
+/// ```
 #[derive(Debug, Clone)]
 pub struct Tape {
     pub(crate) quantities: Vec<(u32, u32)>,

@@ -3,6 +3,8 @@
 use std::fmt;
 
 /// Why a sample was not taken into a history, or a picture not made.
+///
+/// Example: [`FigureMeta`](crate::FigureMeta).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ReportError {

@@ -4,6 +4,7 @@ mod bands;
 mod bounds;
 mod modes;
 mod outputs;
+mod pair;
 mod paving;
 mod plane;
 mod tube;
@@ -17,6 +18,8 @@ use crate::svg::{Anchor, Canvas, Rect, text_width};
 use crate::theme;
 
 /// A finished figure.
+///
+/// Example: [`FigureMeta`](crate::FigureMeta).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     /// Name of the figure, and of its files without their ending: `outputs`, `params`, `states`,

@@ -14,6 +14,8 @@ pub(crate) const RESET: u8 = 1;
 
 /// What is known after one sample. Bounds are pairs lo, hi; infinite bounds are allowed, and a pair
 /// with lo > hi is the empty set, drawn as nothing.
+///
+/// Example: [`FigureMeta`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SampleRow<'a> {
     /// Time, in the figures' time unit; increases from row to row.
@@ -290,6 +292,12 @@ impl History {
     /// The marks of mode `i`.
     pub(crate) fn mode_marks(&self, i: usize) -> usize {
         i
+    }
+
+    /// Whether parameter `i` was reset at some sample.
+    pub(crate) fn is_reset(&self, i: usize) -> bool {
+        let mut cells = self.cells().iter();
+        cells.any(|cell| cell.mark(self.reset_marks(i)) & RESET != 0)
     }
 
     /// The marks of the resets of parameter `i`.

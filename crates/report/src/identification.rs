@@ -1,9 +1,12 @@
 //! What records leave of the parameters: bounds from both sides, and a paving.
 
 use crate::figure::Figure;
+use crate::history::History;
 use crate::meta::Quantity;
 
 /// A parameter with its bounds from both sides. Bounds are pairs lo, hi; those of priors may be infinite.
+///
+/// Example: [`PavingTile`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProvedParameter {
     /// Name and unit.
@@ -19,6 +22,8 @@ pub struct ProvedParameter {
 }
 
 /// What is known of the parameters in a tile.
+///
+/// Example: [`PavingTile`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TileStatus {
     /// All agree with the records.
@@ -30,12 +35,56 @@ pub enum TileStatus {
 }
 
 /// A box of parameters.
+///
+/// ```
+/// use veribound_report::{Identification, PavingTile, Plots, ProvedParameter, Quantity, TileStatus};
+///
+/// let param = |name: &str| ProvedParameter {
+///     quantity: Quantity::new(name, ""),
+///     prior: (0.0, 2.0),
+///     outer: Some((0.0, 1.0)),
+///     inner: None,
+///     tightness: f64::INFINITY,
+/// };
+/// let tile = |lo: f64, status| PavingTile { params: vec![(lo, lo + 1.0), (0.0, 2.0)], status };
+/// let found = Identification {
+///     params: vec![param("a"), param("b")],
+///     tiles: vec![tile(0.0, TileStatus::Inside), tile(1.0, TileStatus::Outside)],
+///     ..Identification::default()
+/// };
+/// assert_eq!(found.render_all()[1].name, "paving_a_b");
+/// assert!(!Plots::of_identification(&found, &[]).is_empty());
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct PavingTile {
     /// One pair lo, hi per parameter.
     pub params: Vec<(f64, f64)>,
     /// What is known.
     pub status: TileStatus,
+}
+
+/// What is known along one of the records.
+///
+/// ```
+/// use veribound_report::{Course, FigureMeta, History, Identification, Page, Plots, Quantity, SampleRow};
+///
+/// let outputs = vec![Quantity::new("x_m", "m")];
+/// let mut history = History::new(FigureMeta { outputs, page: true, ..FigureMeta::default() });
+/// let (outputs, measured) = (&[(0.4, 0.6)], &[Some((0.2, 0.7))]);
+/// history.push(&SampleRow { outputs, measured, ..SampleRow::default() })?;
+/// let course = Course { record: None, is_whole: true, history };
+/// let plots = Plots::of_identification(&Identification::default(), &[course]);
+/// assert!(Page { plots, ..Page::default() }.render().contains("x_m"));
+/// # Ok::<(), veribound_report::ReportError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Course {
+    /// The name of the record, where there are several.
+    pub record: Option<String>,
+    /// Whether all samples are in it.
+    pub is_whole: bool,
+    /// What is proved of every sample.
+    pub history: History,
 }
 
 /// All that is drawn of an identification.

@@ -38,6 +38,8 @@ impl Quantity {
 }
 
 /// A parameter: what its panel shows beside the proved band.
+///
+/// Example: [`FigureMeta`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
     /// Name and unit.
@@ -49,6 +51,8 @@ pub struct Parameter {
 }
 
 /// Which stretch of time the inset of the output figure shows in full resolution.
+///
+/// Example: [`FigureMeta`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Zoom {
     /// The stretch of 31 samples where the proved band is narrowest against the measured one while
@@ -62,6 +66,20 @@ pub enum Zoom {
 }
 
 /// Names, units and options of all figures of one run.
+///
+/// ```
+/// use veribound_report::{Figure, FigureMeta, History, Parameter, Quantity, ReportError, SampleRow, Zoom};
+///
+/// let mass = Parameter { quantity: Quantity::new("m", "kg"), prior: (0.5, 5.0), nominal: Some(2.0) };
+/// let meta = FigureMeta { params: vec![mass], zoom: Zoom::Off, ..FigureMeta::default() };
+/// let mut history = History::new(meta);
+/// history.push(&SampleRow { t: 0.0, params: &[(1.0, 3.0)], ..SampleRow::default() })?;
+/// let earlier = history.push(&SampleRow { t: 0.0, params: &[(1.5, 2.5)], ..SampleRow::default() });
+/// assert_eq!(earlier, Err(ReportError::TimeNotIncreasing { before: 0.0, found: 0.0 }));
+/// let figures: Vec<Figure> = history.render_all();
+/// assert_eq!(figures[0].name, "params");
+/// # Ok::<(), ReportError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct FigureMeta {
     /// Title of the run: in the SVG's title element, for screen readers and tool tips, not drawn.

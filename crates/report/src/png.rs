@@ -3,23 +3,22 @@
 use resvg::{tiny_skia, usvg};
 
 use crate::error::ReportError;
+use crate::outline::outlined;
 
 /// Pixels per SVG unit: figures are 640 units wide, so pictures have 1600 pixels, 240 per inch.
 const SCALE: f32 = 2.5;
 
-/// The picture of an SVG text, as the bytes of a PNG file; no font of the machine is used.
+/// The picture of an SVG text, as the bytes of a PNG file; no font of the machine is used. Its texts are understood as
+/// far as figures have them: on one line, with place, size, weight, colour and anchor.
 ///
 /// # Errors
 /// The text is no SVG, its size cannot be drawn, or the PNG cannot be written.
 pub fn png(svg: &str) -> Result<Vec<u8>, ReportError> {
-    let mut options = usvg::Options::default();
-    let fonts = options.fontdb_mut();
-    fonts.load_font_data(notosans::REGULAR_TTF.to_vec());
-    fonts.load_font_data(notosans::BOLD_TTF.to_vec());
-    fonts.set_sans_serif_family("Noto Sans");
-    let tree = usvg::Tree::from_str(svg, &options).map_err(|error| ReportError::NotDrawable {
+    let refuse = |error: usvg::Error| ReportError::NotDrawable {
         reason: error.to_string(),
-    })?;
+    };
+    let tree = usvg::Tree::from_str(&outlined(svg)?, &usvg::Options::default());
+    let tree = tree.map_err(refuse)?;
     let width = (tree.size().width() * SCALE).ceil() as u32;
     let height = (tree.size().height() * SCALE).ceil() as u32;
     let mut pixels =

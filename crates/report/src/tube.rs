@@ -8,6 +8,8 @@ use crate::track::{Band, Cell, Track};
 
 /// What is proved at one time, and since the one before. Bounds are pairs lo, hi; infinite bounds are
 /// allowed.
+///
+/// Example: [`Tube`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TubeRow<'a> {
     /// Time, in the figures' time unit; increases from row to row.
@@ -35,6 +37,20 @@ pub struct TubeRow<'a> {
 ///
 /// # Cost
 /// `push` is O(number of series) on average; memory is O(columns x number of series).
+///
+/// ```
+/// use veribound_report::{FigureMeta, Quantity, Tube, TubeRow};
+///
+/// let meta = FigureMeta { states: vec![Quantity::new("x", "m")], ..FigureMeta::default() };
+/// let mut tube = Tube::new(meta, None, 0);
+/// for k in 0..10 {
+///     let t = f64::from(k);
+///     let (states, states_since) = (&[(t, t + 1.0)], &[(t - 1.0, t + 1.0)]);
+///     tube.push(&TubeRow { t, states, states_since, ..TubeRow::default() })?;
+/// }
+/// assert_eq!(tube.render_all()[0].name, "states");
+/// # Ok::<(), veribound_report::ReportError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Tube {
     /// Bounds at the times, and modes.

@@ -15,9 +15,7 @@ use support::{Place, Ran, cart_record};
 /// Runs `identify m.toml r.csv` with more words, on the cart.
 fn identify(place: &Place, more: &str) -> Ran {
     place.cart(5);
-    let mut words = vec!["identify", "m.toml", "r.csv"];
-    words.extend(more.split_whitespace());
-    place.run(&words)
+    place.typed(&format!("identify m.toml r.csv {more}"))
 }
 
 /// The run is refused with a message that has all `parts`, and writes nothing.

@@ -75,7 +75,7 @@ fn numbers_of_an_observation_are_those_of_the_summary() {
     let place = Place::new();
     let (model, record) = place.cart(41);
     let ran = place
-        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .typed(&format!("observe {model} {record} -o out --figures none"))
         .ended(0);
     assert!(ran.out.contains("run.toml, report.html\n"), "{}", ran.out);
     let page = place.read("out/report.html");
@@ -107,7 +107,7 @@ fn a_refutation_is_shown_with_its_proof() {
     let model = place.file("m.toml", CART);
     let record = place.file("r.csv", cart_record(9).replace("0.4,1,", "0.4,1,9"));
     place
-        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .typed(&format!("observe {model} {record} -o out --figures none"))
         .ended(1);
     let page = place.read("out/report.html");
     let shown = agree(&numbers(&page), &place.read("out/summary.json"));
@@ -137,20 +137,9 @@ fn a_refutation_is_shown_with_its_proof() {
 fn numbers_of_an_identification_are_those_of_the_summary() {
     let place = Place::new();
     let (model, record) = place.cart(9);
-    let words = [
-        "identify",
-        &model,
-        &record,
-        "-o",
-        "out",
-        "--figures",
-        "none",
-        "--paving",
-        "20%",
-        "--sets",
-        "60",
-    ];
-    let ran = place.run(&words);
+    let ran = place.typed(&format!(
+        "identify {model} {record} -o out --figures none --paving 20% --sets 60"
+    ));
     assert!(matches!(ran.code, Some(0 | 3)), "{}", ran.err);
     let page = place.read("out/report.html");
     let summary = place.read("out/summary.json");
@@ -168,6 +157,42 @@ fn numbers_of_an_identification_are_those_of_the_summary() {
         assert!(shown.contains(&"/parameters/k/inner/lo".to_owned()));
         assert!(shown.contains(&"/parameters/k/tightness".to_owned()));
     }
+    // What is left along the record; parameters that keep one value have no course.
+    let scene = scene(&page);
+    let groups = scene["groups"].as_array().unwrap();
+    let ids: Vec<&str> = groups.iter().filter_map(|one| one["id"].as_str()).collect();
+    assert_eq!(ids, ["outputs", "states"]);
+    assert_eq!(scene["tracks"][0]["cells"], 9);
+    let note = groups[0]["note"].as_str().unwrap();
+    assert!(note.starts_with("All that is left at each sample") && !note.contains("Beyond"));
+}
+
+/// What a reset may change has bounds of its own for every value, in the table and over time.
+#[test]
+fn values_after_resets_are_on_the_page() {
+    let place = Place::new();
+    let model = place.file(
+        "m.toml",
+        "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.c = [0, 1]\nsignals.new = { from = \"column\" }\n\
+         events.lift = { when = \"new\", lasts = 0, action = \"reset c\" }\nder.x = \"-x\"\noutputs.y = \"x + c +- 0.01\"\n",
+    );
+    let record = "t,y,new\n0,1.5,0\n1,0.868,0\n2,0.385,1\n3,0.3,0\n";
+    let record = place.file("r.csv", record);
+    place
+        .typed(&format!("identify {model} {record} -o out --figures none"))
+        .ended(0);
+    let page = place.read("out/report.html");
+    let shown = agree(&numbers(&page), &place.read("out/summary.json"));
+    for at in ["/resets/0/lo", "/resets/0/inner/hi", "/parameters/c/hi"] {
+        assert!(shown.iter().any(|known| known == at), "no {at}");
+    }
+    assert!(page.contains("from 2 s to 3 s"));
+    let scene = scene(&page);
+    let last = scene["groups"].as_array().unwrap().last().unwrap();
+    assert_eq!(
+        (&last["id"], &last["panels"][0]["name"]),
+        (&json!("parameters"), &json!("c"))
+    );
 }
 
 #[test]
@@ -178,21 +203,11 @@ fn numbers_of_an_enclosure_are_those_of_the_summary() {
         "format = 1\nstates = [\"x\", \"y\"]\ninit.x = [0.5, 1]\ninit.y = 0\nparams.k = [0.5, 0.6]\nder.x = \"-k * x\"\n\
          der.y = \"x\"\noutputs.z = \"x + y +- 0.1\"\n",
     );
-    let words = [
-        "enclose",
-        &model,
-        "-o",
-        "out",
-        "--figures",
-        "none",
-        "--until",
-        "1",
-        "--every",
-        "0.1",
-        "--sample",
-        "2",
-    ];
-    place.run(&words).ended(0);
+    place
+        .typed(&format!(
+            "enclose {model} -o out --figures none --until 1 --every 0.1 --sample 2"
+        ))
+        .ended(0);
     let page = place.read("out/report.html");
     let shown = agree(&numbers(&page), &place.read("out/summary.json"));
     for at in [
@@ -245,7 +260,7 @@ fn texts_of_models_and_names_of_files_cannot_leave_their_place() {
     let place = Place::new();
     let (model, record) = evil(&place);
     place
-        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .typed(&format!("observe {model} {record} -o out --figures none"))
         .ended(0);
     let page = place.read("out/report.html");
     for bad in ["<img", "m&<b>", "r&<i>"] {
@@ -445,7 +460,7 @@ fn a_browser_shows_the_page_and_zooms_all_plots_together() {
     let place = Place::new();
     let (model, record) = evil(&place);
     place
-        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .typed(&format!("observe {model} {record} -o out --figures none"))
         .ended(0);
     browser.open(&place.path().join("out/report.html"));
     assert_eq!(browser.complaints(), [""; 0]);
@@ -480,6 +495,26 @@ fn a_browser_shows_the_page_and_zooms_all_plots_together() {
     browser.run("document.querySelector('#tools button').click()");
     assert_eq!(view(&browser), (0.0, 2.0));
     assert_eq!(browser.complaints(), [""; 0]);
+    // Records of an identification have plots of their own, on one axis of time.
+    let longer = place.file("longer.csv", cart_record(31));
+    let ran = place.typed(&format!(
+        "identify {model} {record} {longer} -o both --figures none"
+    ));
+    assert!(matches!(ran.code, Some(0 | 3)), "{}", ran.err);
+    browser.open(&place.path().join("both/report.html"));
+    assert_eq!(view(&browser), (0.0, 3.0));
+    browser.drag("#plot-outputs", 0.25, 0.5);
+    browser.wait("document.querySelector('#plot-outputs').layout.xaxis.range[1] < 2.9");
+    let (from, _) = view(&browser);
+    for plot in ["#plot-outputs-2", "#plot-states-2"] {
+        browser.run(&format!(
+            "document.querySelector('{plot}').scrollIntoView()"
+        ));
+        browser.wait(&format!(
+            "document.querySelector('{plot}').layout?.xaxis.range[0] === {from}"
+        ));
+    }
+    assert_eq!(browser.complaints(), [""; 0]);
 }
 
 /// Bands are never drawn narrower than the tables have them, at any zoom; hover texts are rounded outward.
@@ -501,7 +536,7 @@ fn what_a_browser_draws_encloses_the_tables() {
     let rows: String = (0..3000).map(&mut row).collect();
     let record = place.file("r.csv", format!("t,u,pos\n{rows}"));
     place
-        .run(&["observe", &model, &record, "-o", "out", "--figures", "none"])
+        .typed(&format!("observe {model} {record} -o out --figures none"))
         .ended(0);
     browser.open(&place.path().join("out/report.html"));
     browser.wait("document.querySelector('#plot-outputs .scatterlayer')");

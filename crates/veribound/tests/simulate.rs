@@ -89,11 +89,11 @@ fn ctrl_c_leaves_no_record() {
 fn a_value_outside_its_prior_is_said() {
     let place = Place::new();
     let model = place.file("m.toml", DECAY);
-    let flags = [
-        "simulate", &model, "--params", "k=4", "--change", "1:k=-1", "--until", "2", "--every",
-        "1", "-o", "r.csv",
-    ];
-    let ran = place.run(&flags).ended(0);
+    let ran = place
+        .typed(&format!(
+            "simulate {model} --params k=4 --change 1:k=-1 --until 2 --every 1 -o r.csv"
+        ))
+        .ended(0);
     for part in [
         "note: k = 4 lies outside its prior [0, 3]\n",
         "note: k = -1 lies outside its prior [0, 3]\n",
@@ -115,11 +115,11 @@ fn profiles_may_be_written_as_records_may() {
         "# \"made\" by hand\n\n\"Time [s]\" ; note;u [V]\n0;a,b;1\n\n0.50;;2\n;;\n1;\"c;d\";0\n";
     let other = place.file("other.csv", tabs);
     let simulate = |profile: &str| {
-        let flags = [
-            "simulate", &model, "--params", "k=1", "--start", "x=0", "--input", profile, "-o",
-            "r.csv",
-        ];
-        place.run(&flags).ended(0);
+        place
+            .typed(&format!(
+                "simulate {model} --params k=1 --start x=0 --input {profile} -o r.csv"
+            ))
+            .ended(0);
         let text = place.read("r.csv");
         text.split_once('\n').unwrap().1.to_owned()
     };
@@ -254,10 +254,9 @@ fn what_the_model_fixes_needs_no_value() {
     let place = Place::new();
     let fixed = DECAY.replace("params.k = [0, 3]", "params.k = { fixed = 0.1 }");
     let model = place.file("m.toml", &fixed);
-    let flags = [
-        "simulate", &model, "--until", "1", "--every", "0.5", "-o", "r.csv",
-    ];
-    place.run(&flags).ended(0);
+    place
+        .typed(&format!("simulate {model} --until 1 --every 0.5 -o r.csv"))
+        .ended(0);
     assert!(
         place
             .read("r.csv")
@@ -330,13 +329,14 @@ fn what_is_drawn_is_consistent() {
     let place = Place::new();
     let model = place.file("m.toml", OSCILLATOR);
     for seed in ["1", "2", "3"] {
-        let flags = [
-            "simulate", &model, "--random", "--seed", seed, "--until", "8", "--every", "0.1", "-o",
-            "r.csv",
-        ];
-        place.run(&flags).ended(0);
-        let flags = ["observe", &model, "r.csv", "--figures", "none", "-o", "out"];
-        place.run(&flags).ended(0);
+        place
+            .typed(&format!(
+                "simulate {model} --random --seed {seed} --until 8 --every 0.1 -o r.csv"
+            ))
+            .ended(0);
+        place
+            .typed(&format!("observe {model} r.csv --figures none -o out"))
+            .ended(0);
     }
 }
 
@@ -345,25 +345,7 @@ fn what_is_drawn_is_consistent() {
 fn a_thousand_seconds_of_turns() {
     let place = Place::new();
     let model = place.file("m.toml", OSCILLATOR);
-    let flags = [
-        "simulate",
-        &model,
-        "--params",
-        "k=1",
-        "--start",
-        "x=1",
-        "--until",
-        "1000",
-        "--every",
-        "0.5",
-        "--error",
-        "0",
-        "--decimals",
-        "6",
-        "-o",
-        "r.csv",
-    ];
-    place.run(&flags).ended(0);
+    place.typed(&format!("simulate {model} --params k=1 --start x=1 --until 1000 --every 0.5 --error 0 --decimals 6 -o r.csv")).ended(0);
     let record = place.read("r.csv");
     for (t, y) in column(&record, 0).iter().zip(column(&record, 1)) {
         assert!((y - t.cos()).abs() < 2e-6, "{t}: {y}");
@@ -374,25 +356,7 @@ fn a_thousand_seconds_of_turns() {
 fn the_trajectory_itself() {
     let place = Place::new();
     let model = place.file("m.toml", OSCILLATOR);
-    let flags = [
-        "simulate",
-        &model,
-        "--params",
-        "k=1",
-        "--start",
-        "x=1",
-        "--until",
-        "5",
-        "--every",
-        "0.25",
-        "-o",
-        "r.csv",
-        "--trajectory",
-        "way",
-        "--figures",
-        "svg",
-    ];
-    place.run(&flags).ended(0);
+    place.typed(&format!("simulate {model} --params k=1 --start x=1 --until 5 --every 0.25 -o r.csv --trajectory way --figures svg")).ended(0);
     let files = place.files("way/fig");
     assert_eq!(files, ["outputs.svg", "plane.svg", "states.svg"]);
     let table = place.read("way/trajectory.csv");

@@ -132,28 +132,13 @@ class Observer:
         order: Optional[int] = None,
         halvings: Optional[int] = None,
         longest_step: Optional[float] = None,
+        engine: Optional[str] = None,
         exact: bool = False,
     ) -> None:
+        given = dict(locals())
         self.model = _runs._model(model)
         """The model."""
-        options = {
-            "reset": [reset] if isinstance(reset, str) else reset,
-            "input_error": input_error,
-            "output_error": output_error,
-            "boxes": boxes,
-            "bisections": bisections,
-            "every": every,
-            "epsilon": epsilon,
-            "velocity_horizon": velocity_horizon,
-            "windows": windows,
-            "trisect": trisect,
-            "parameter_rule": parameter_rule,
-            "merge_across_modes": merge_across_modes,
-            "order": order,
-            "halvings": halvings,
-            "longest_step": longest_step,
-        }
-        words = ["observe", _runs._name(self.model), "stream", "-o", "nowhere", *_words.words(options)]
+        words = ["observe", _runs._name(self.model), "stream", "-o", "nowhere", *_words.words(given)]
         self._stepper = _veribound.Stepper(self.model._model, words, exact)
 
     @property

@@ -217,6 +217,13 @@ class Identification(_Result):
         return self._frame(columns, "name")
 
     @property
+    def least_error(self) -> Optional[Interval]:
+        """The least factor of all declared measurement errors with which anything agrees: below the lower end nothing
+        does, at the upper end (infinite where none is known) something does. None where it was not looked for."""
+        ends = self._done.least_error()
+        return None if ends is None else Interval(*ends)
+
+    @property
     def points(self) -> Any:
         """Parameters that are proved to agree with model and records, one point (as a tiny box) in each row."""
         columns = _frames.bands(self._done.points())

@@ -50,6 +50,15 @@ def _output(output: Any) -> "tuple[list[str], bool]":
     return ["-o", _words.place(os.fspath(output or "nowhere"))], output is not None
 
 
+def _inputs(given: "dict[str, Any]", exact: bool) -> Any:
+    """The inputs among the arguments of a call, named there as the program's option."""
+    if given["inputs"] is None:
+        return None
+    source = _frames.source(given["inputs"], exact)
+    given["input"] = source.name
+    return source
+
+
 def observe(
     model: Any,
     record: Any,
@@ -74,6 +83,7 @@ def observe(
     order: Optional[int] = None,
     halvings: Optional[int] = None,
     longest_step: Optional[float] = None,
+    engine: Optional[str] = None,
     output: Any = None,
     figures: Any = None,
     report: Optional[str] = None,
@@ -104,6 +114,9 @@ def observe(
     boxes, bisections, every, epsilon, velocity_horizon, windows, trisect, parameter_rule, merge_across_modes,
     order, halvings, longest_step : how the observer works; no option changes what is proved. They are those of the
         program, ``veribound observe --help``.
+    engine : ``"auto"`` (boxes alone), ``"forms"``, ``"closed"``, ``"comparison"`` or ``"boxes"``: what moves boxes besides
+        their own step. Forms keep from sample to sample how boxes depend on parameters, which narrows more with few
+        boxes and takes many times as long.
     output : folder for the files that the program writes, with the page `report.html`; `figures`, `report`, `parquet`,
         `zoom` and `overlay` are about these.
     exact : a float of a frame stands for the number that it holds, digit for digit. By default it stands for its
@@ -116,37 +129,11 @@ def observe(
     Error : what is wrong with model, record or options, in the words of the program.
     Interrupted : Ctrl-C; the exception's ``result`` has what was proved until then.
     """
+    given = dict(locals())
     model = _model(model)
     source = _frames.source(record, exact)
-    options = {
-        "time": time,
-        "column": column,
-        "from_": from_,
-        "to": to,
-        "reset": [reset] if isinstance(reset, str) else reset,
-        "input_error": input_error,
-        "output_error": output_error,
-        "start_from": start_from,
-        "boxes": boxes,
-        "bisections": bisections,
-        "every": every,
-        "epsilon": epsilon,
-        "velocity_horizon": velocity_horizon,
-        "windows": windows,
-        "trisect": trisect,
-        "parameter_rule": parameter_rule,
-        "merge_across_modes": merge_across_modes,
-        "order": order,
-        "halvings": halvings,
-        "longest_step": longest_step,
-        "figures": figures,
-        "report": report,
-        "parquet": parquet,
-        "zoom": zoom,
-        "overlay": overlay,
-    }
     folder, wants_files = _output(output)
-    words = ["observe", _name(model), _words.place(source.name), *folder, *_words.words(options)]
+    words = ["observe", _name(model), _words.place(source.name), *folder, *_words.words(given)]
     done = _show(progress, lambda bar: _veribound.observe(model._model, source, words, wants_files, bar))
     return _ended(done, Observation(done, model, _frames.choose(frames, record), output))
 
@@ -168,6 +155,8 @@ def identify(
     least_disturbance: bool = False,
     sets: Optional[int] = None,
     threads: Optional[int] = None,
+    memory: Optional[int] = None,
+    resume: bool = False,
     output: Any = None,
     figures: Any = None,
     report: Optional[str] = None,
@@ -188,42 +177,31 @@ def identify(
     tightness : outer bounds that are proved to be at most so many times as wide as possible are tight enough.
     paving : divide the prior into tiles inside, outside and undecided, until the undecided ones are this share of
         what is left, as ``"1%"``.
-    least_error, least_disturbance : also tell how many times as large as declared measurement errors, or errors of inputs and
-        disturbances, must be for anything to agree: in ``summary``.
+    least_error : also tell how large measurement errors must be at least for anything to agree, as
+        `Identification.least_error`; this is always told where nothing agrees.
+    least_disturbance : the same of errors of inputs and of disturbances, in ``summary``.
     sets : most sets of parameters that are looked at.
     threads : as many as the machine has if not given.
+    memory : MiB for sets and tiles, beside those in work; nothing is divided further when it is taken.
+    resume : go on where an earlier call with the same arguments was ended by force or by Ctrl-C, from the checkpoint in
+        the folder `output`; the result is that of a call that was never ended.
 
     The other parameters, and what is raised, are those of `observe`.
     """
+    given = dict(locals())
     model = _model(model)
     several = isinstance(records, (list, tuple))
-    given = list(records) if several else [records]
-    if not given:
+    sources = [_frames.source(record, exact) for record in (records if several else [records])]
+    if not sources:
         raise ValueError("there is no record; give one or more")
-    sources = [_frames.source(record, exact) for record in given]
-    options = {
-        "time": time,
-        "column": column,
-        "from_": from_,
-        "to": to,
-        "reset": [reset] if isinstance(reset, str) else reset,
-        "input_error": input_error,
-        "output_error": output_error,
-        "tightness": tightness,
-        "paving": paving,
-        "least_error": least_error,
-        "least_disturbance": least_disturbance,
-        "sets": sets,
-        "threads": threads,
-        "figures": figures,
-        "report": report,
-        "parquet": parquet,
-    }
+    if resume and output is None:
+        raise ValueError("a run without a folder keeps nothing to resume from; give `output`")
     folder, wants_files = _output(output)
     names = [_words.place(source.name) for source in sources]
-    words = ["identify", _name(model), *names, *folder, *_words.words(options)]
+    words = ["identify", _name(model), *names, *folder, *_words.words(given)]
     done = _show(progress, lambda bar: _veribound.identify(model._model, sources, words, wants_files, bar))
-    return _ended(done, Identification(done, model, _frames.choose(frames, given[0]), output))
+    first = records[0] if several else records
+    return _ended(done, Identification(done, model, _frames.choose(frames, first), output))
 
 
 def enclose(
@@ -253,29 +231,18 @@ def enclose(
         for a model without inputs.
     until, every : time of the last row, and between two rows, in seconds.
     parts : parts that the set may be divided into where it is too wide.
-    engine : ``"auto"``, ``"forms"``, ``"comparison"`` or ``"boxes"``; what is proved is true whichever is taken.
+    engine : ``"auto"``, ``"forms"``, ``"closed"`` (for modes that are affine in the states), ``"comparison"`` or
+        ``"boxes"``; what is proved is true whichever is taken.
     sample, seed : draw so many random true trajectories and compare them with the bounds.
     plane : the two states of the phase plane among the files.
 
     The other parameters, and what is raised, are those of `observe`.
     """
+    given = dict(locals())
     model = _model(model)
-    source = None if inputs is None else _frames.source(inputs, exact)
-    options = {
-        "input": None if source is None else source.name,
-        "until": until,
-        "every": every,
-        "parts": parts,
-        "engine": engine,
-        "sample": sample,
-        "seed": seed,
-        "plane": plane,
-        "figures": figures,
-        "report": report,
-        "parquet": parquet,
-    }
+    source = _inputs(given, exact)
     folder, wants_files = _output(output)
-    words = ["enclose", _name(model), *folder, *_words.words(options)]
+    words = ["enclose", _name(model), *folder, *_words.words(given)]
     done = _show(progress, lambda bar: _veribound.enclose(model._model, source, words, wants_files, bar))
     return _ended(done, Enclosure(done, model, _frames.choose(frames, inputs), output))
 
@@ -291,9 +258,12 @@ def simulate(
     every: Optional[Text] = None,
     error: Optional[Text] = None,
     disturbance: Optional[Names] = None,
+    random: bool = False,
     seed: Optional[int] = None,
     decimals: Optional[int] = None,
     steps: Optional[int] = None,
+    trajectory: Any = None,
+    figures: Any = None,
     exact: bool = False,
     frames: Optional[str] = None,
     progress: Any = None,
@@ -309,28 +279,19 @@ def simulate(
     until, every : time of the last sample, and between two, in seconds.
     error : largest error of a written output, in its unit, or ``"worst"``.
     disturbance : values of disturbances; the middle of their bounds where none is given.
-    seed : chooses the errors.
+    random : draw what is not given from the model file: parameters and start values once, disturbances and errors of
+        inputs anew at every sample; the first line of the record tells what was drawn.
+    seed : chooses the errors, and what is drawn.
     decimals : decimal places of the written outputs.
     steps : internal steps for each sample: more make the enclosure narrower and take longer.
+    trajectory : folder for the trajectory itself: states, outputs and modes over time, and its `figures`.
 
     The other parameters, and what is raised, are those of `observe`.
     """
+    given = dict(locals())
     model = _model(model)
-    source = None if inputs is None else _frames.source(inputs, exact)
-    options = {
-        "params": params,
-        "start": start,
-        "change": [change] if isinstance(change, str) else change,
-        "input": None if source is None else source.name,
-        "until": until,
-        "every": every,
-        "error": error,
-        "disturbance": disturbance,
-        "seed": seed,
-        "decimals": decimals,
-        "steps": steps,
-    }
-    words = ["simulate", _name(model), "-o", "record.csv", *_words.words(options)]
+    source = _inputs(given, exact)
+    words = ["simulate", _name(model), "-o", "record.csv", *_words.words(given)]
     done = _show(progress, lambda bar: _veribound.simulate(model._model, source, words, bar))
     if done.interrupted:
         raise Interrupted(None)

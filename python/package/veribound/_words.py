@@ -13,6 +13,9 @@ _WITH_COMMAS = {"windows", "figures", "plane"}
 #: Options of simulations, where a dictionary is one list.
 _ASSIGNMENTS = {"params", "start", "disturbance"}
 
+#: What a call says to the package alone; everything else is an option of the program under the same name.
+OWN = {"self", "model", "record", "records", "inputs", "output", "exact", "frames", "progress"}
+
 
 def _text(value: Any) -> str:
     if isinstance(value, (str, os.PathLike)):
@@ -26,11 +29,11 @@ def place(name: str) -> str:
 
 
 def words(options: "Mapping[str, Any]") -> "list[str]":
-    """The words of these options; those that are None or False are left out."""
+    """The words of the options among the arguments of a call; those that are None or False are left out."""
     given = []
     for name, value in options.items():
         flag = "--" + name.strip("_").replace("_", "-")
-        if value is None or value is False:
+        if name in OWN or value is None or value is False:
             continue
         if value is True:
             given.append(flag)

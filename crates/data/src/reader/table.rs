@@ -16,11 +16,11 @@ use veribound_model::diagnostic::Diagnostic;
 /// *Cost*: memory does not grow with the number of rows.
 ///
 /// ```
-/// use veribound_data::{TableReader, TableSource};
+/// use veribound_data::{TableReader, TableRow, TableSource};
 ///
 /// let mut table = TableReader::open(TableSource::text("t.csv", "# made by hand\na; b\n1; \"x; y\"\n"))?;
 /// let b = table.column("b").unwrap();
-/// let row = table.next_row()?.unwrap();
+/// let row: TableRow<'_> = table.next_row()?.unwrap();
 /// assert_eq!((row.field(b).as_ref(), row.line()), ("x; y", 3));
 /// assert!(table.next_row()?.is_none());
 /// # Ok::<(), veribound_model::diagnostic::Diagnostic>(())
@@ -38,6 +38,8 @@ pub struct TableReader {
 }
 
 /// One row of a table.
+///
+/// Example: [`TableReader`].
 #[derive(Debug, Clone, Copy)]
 pub struct TableRow<'a> {
     line: Line<'a>,

@@ -10,6 +10,17 @@ use veribound_model::model::{Coverage, Model};
 /// A model in the form of the summaries: what `veribound check --json` prints.
 ///
 /// *Guarantee*: bounds are spelled as in the model file.
+///
+/// ```
+/// use veribound_data::ModelSummary;
+/// use veribound_model::Model;
+///
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// let model = Model::from_text("decay.toml", text)?;
+/// let told = ModelSummary::new(&model, "boxes".to_owned(), String::new()).to_json()?;
+/// assert!(told.contains("\"file\": \"decay.toml\""));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Serialize)]
 pub struct ModelSummary {
     name: String,

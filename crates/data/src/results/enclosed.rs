@@ -1,12 +1,14 @@
 //! `summary.json` of an enclosure: how far it is proved, and the sets at the end and over all times.
 
-use super::number::Number;
+use super::number::Time;
 use super::summary::{Ends, by_name, to_json};
 use serde::Serialize;
-use veribound_interval::{Decimal, Interval};
+use veribound_interval::Interval;
 use veribound_model::diagnostic::Diagnostic;
 
 /// Whether all solutions are enclosed to the time that was asked for.
+///
+/// Example: [`EnclosureSummary`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Reach {
@@ -20,6 +22,31 @@ pub enum Reach {
 ///
 /// *Guarantee*: bounds are decimal numbers rounded outward from what was proved. An infinite bound is
 /// `null`.
+///
+/// ```
+/// use veribound_data::{EnclosureSummary, EnclosureWork, PastUse, RangeSummary, Reach, Time, Trajectories};
+/// use veribound_interval::{Decimal, Interval};
+///
+/// let (start, always) = (Interval::ONE, Interval::new(0.5, 1.0).unwrap());
+/// let summary = EnclosureSummary {
+///     verdict: Reach::Proved,
+///     reason: None,
+///     until: Time::new(&Decimal::parse("2.50")?),
+///     times: 6,
+///     states: vec![("x".to_owned(), RangeSummary::new("m", start, always))],
+///     outputs: Vec::new(),
+///     modes: Vec::new(),
+///     engine: "forms".to_owned(),
+///     parts: 1,
+///     trajectories: Some(Trajectories { drawn: 8, inside: 8, followed: 8, comparisons: 40 }),
+///     past_use: Vec::<PastUse>::new(),
+///     work: EnclosureWork { wall_s: 0.1, steps: 12 },
+///     interrupted: false,
+///     assumptions: Vec::new(),
+/// };
+/// assert!(summary.to_json()?.contains("\"until\": 2.5"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Serialize)]
 pub struct EnclosureSummary {
     /// How far.
@@ -56,19 +83,9 @@ pub struct EnclosureSummary {
     pub assumptions: Vec<String>,
 }
 
-/// A time as the exact decimal.
-#[derive(Debug, Clone, Serialize)]
-#[serde(transparent)]
-pub struct Time(Number);
-
-impl Time {
-    /// A time in seconds.
-    pub fn new(time: &Decimal) -> Self {
-        Time(Number::new(time.to_string()))
-    }
-}
-
 /// Bounds of a state or an output.
+///
+/// Example: [`EnclosureSummary`].
 #[derive(Debug, Clone, Serialize)]
 pub struct RangeSummary {
     #[serde(flatten)]
@@ -91,6 +108,8 @@ impl RangeSummary {
 
 /// How true trajectories compare with the enclosure. One that is not inside would be an error of the program, and
 /// no summary would be written.
+///
+/// Example: [`EnclosureSummary`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize)]
 pub struct Trajectories {
     /// Number of random trajectories.
@@ -104,6 +123,8 @@ pub struct Trajectories {
 }
 
 /// A width that grew past use.
+///
+/// Example: [`EnclosureSummary`].
 #[derive(Debug, Clone, Serialize)]
 pub struct PastUse {
     /// The state.
@@ -122,6 +143,8 @@ pub struct PastUse {
 }
 
 /// What an enclosure cost.
+///
+/// Example: [`EnclosureSummary`].
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub struct EnclosureWork {
     /// Time in seconds.
@@ -142,6 +165,7 @@ impl EnclosureSummary {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use veribound_interval::Decimal;
 
     #[test]
     fn the_file_has_its_fixed_shape() {

@@ -183,6 +183,21 @@ fn pairs(path: &Path) -> impl Iterator<Item = PathBuf> {
 }
 
 /// A file that is being written; dropped before [`ResultFile::finish`], it leaves nothing.
+///
+/// ```
+/// use std::io::Write;
+/// use veribound_data::{CompleteFile, ResultFile, ResultFolder};
+/// # let place = std::env::temp_dir().join(format!("veribound-doc-file-{}", std::process::id()));
+/// let folder = ResultFolder::create(&place)?;
+/// let mut file: ResultFile = folder.file("record.csv")?;
+/// file.write_all(b"t,y\n0,1\n")?;
+/// let complete: CompleteFile = file.finish()?;
+/// assert!(!place.join("record.csv").exists());
+/// complete.put_in_place()?;
+/// assert_eq!(std::fs::read(place.join("record.csv"))?, b"t,y\n0,1\n");
+/// # std::fs::remove_dir_all(place)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct ResultFile {
     output: BufWriter<File>,
@@ -191,6 +206,8 @@ pub struct ResultFile {
 
 /// A file that is on the disk whole, still under its temporary name, perhaps with another that goes with it;
 /// dropped, it leaves nothing.
+///
+/// Example: [`ResultFile`].
 #[derive(Debug)]
 #[must_use = "a file that is not put in place is removed"]
 pub struct CompleteFile {

@@ -1,6 +1,6 @@
 //! `summary.json` of an identification: bounds from both sides.
 
-use super::number::Number;
+use super::number::{Number, Time};
 use super::summary::{Ends, Verdict, by_name, to_json};
 use crate::outward::DIGITS;
 use serde::Serialize;
@@ -14,6 +14,42 @@ use veribound_model::model::{Param, State};
 /// `inner` inward from what is proved to be reached, `tightness` up. An infinite number is `null`, as is
 /// `inner` where nothing is proved to be reached; where nothing is left, `"empty": true` stands for the
 /// bounds.
+///
+/// ```
+/// use veribound_data::{
+///     IdentifiedParameter, IdentifiedReset, IdentifiedStart, IdentifiedState, IdentifiedSummary, IdentifiedWork,
+///     LeastErrors, Paving, RefutedTogether, Verdict,
+/// };
+/// use veribound_interval::{Decimal, Interval};
+/// use veribound_model::Model;
+///
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = [0, 2]\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// let model = Model::from_text("decay.toml", text)?;
+/// let (k, x) = (&model.params[0], &model.states[0]);
+/// let both = (Interval::new(0.5, 1.0).unwrap(), Some(Interval::new(0.625, 0.875).unwrap()));
+/// let (from, until) = (Decimal::zero(), Decimal::parse("2")?);
+/// let summary = IdentifiedSummary {
+///     verdict: Verdict::Consistent,
+///     reason: None,
+///     refutation: None::<RefutedTogether>,
+///     samples: 20,
+///     parameters: vec![("k".to_owned(), IdentifiedParameter::new(k, both, 2.0, Some("record")))],
+///     starts: vec![IdentifiedStart {
+///         record: "r.csv".to_owned(),
+///         states: vec![("x".to_owned(), IdentifiedState::new(x, both, 2.0))],
+///     }],
+///     resets: vec![IdentifiedReset::new("r.csv".to_owned(), k, (&from, &until), both, 2.0)],
+///     least_error: Some(LeastErrors::new(Interval::ONE, &model.params, None)),
+///     paving: Some(Paving::new(12, Interval::point(0.75), Interval::point(0.125))),
+///     points: 4,
+///     work: IdentifiedWork::default(),
+///     interrupted: false,
+///     assumptions: Vec::new(),
+///     missing: Vec::new(),
+/// };
+/// assert!(summary.to_json()?.contains("\"limited_by\": \"record\""));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Serialize)]
 pub struct IdentifiedSummary {
     /// The verdict.
@@ -66,6 +102,8 @@ struct TwoSided {
 }
 
 /// Bounds of one parameter.
+///
+/// Example: [`IdentifiedSummary`].
 #[derive(Debug, Clone, Serialize)]
 pub struct IdentifiedParameter {
     #[serde(flatten)]
@@ -78,6 +116,8 @@ pub struct IdentifiedParameter {
 }
 
 /// Bounds of one state at the first sample of a record.
+///
+/// Example: [`IdentifiedSummary`].
 #[derive(Debug, Clone, Serialize)]
 pub struct IdentifiedState {
     #[serde(flatten)]
@@ -86,6 +126,8 @@ pub struct IdentifiedState {
 }
 
 /// The states at the first sample of one record.
+///
+/// Example: [`IdentifiedSummary`].
 #[derive(Debug, Clone, Serialize)]
 pub struct IdentifiedStart {
     /// Path of the record as the user gave it.
@@ -96,18 +138,22 @@ pub struct IdentifiedStart {
 }
 
 /// The value of one parameter between two resets that there may have been.
+///
+/// Example: [`IdentifiedSummary`].
 #[derive(Debug, Clone, Serialize)]
 pub struct IdentifiedReset {
     record: String,
     parameter: String,
-    from: Number,
-    until: Number,
+    from: Time,
+    until: Time,
     #[serde(flatten)]
     bounds: TwoSided,
     unit: String,
 }
 
 /// How large some errors must be at least for the model and the records to agree, as multiple of the declared ones.
+///
+/// Example: [`IdentifiedSummary`].
 #[derive(Debug, Clone, Serialize)]
 pub struct LeastErrors {
     /// With less nothing agrees.
@@ -120,6 +166,8 @@ pub struct LeastErrors {
 }
 
 /// Samples that refute the model together.
+///
+/// Example: [`IdentifiedSummary`].
 #[derive(Debug, Clone, Serialize)]
 pub struct RefutedTogether {
     /// Path of their record as the user gave it.
@@ -128,11 +176,13 @@ pub struct RefutedTogether {
     pub samples: Vec<usize>,
     /// Their lines in the file.
     pub lines: Vec<usize>,
-    time: Number,
+    time: Time,
     line: usize,
 }
 
 /// What a paving covers. The numbers are of its tiles together, as shares of the volume of the outer box.
+///
+/// Example: [`IdentifiedSummary`].
 #[derive(Debug, Clone, Serialize)]
 pub struct Paving {
     /// Number of tiles.
@@ -142,6 +192,8 @@ pub struct Paving {
 }
 
 /// What an identification cost.
+///
+/// Example: [`IdentifiedSummary`].
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub struct IdentifiedWork {
     /// Time in seconds.
@@ -210,8 +262,8 @@ impl IdentifiedReset {
         IdentifiedReset {
             record,
             parameter: param.name.clone(),
-            from: Number::new(from.to_string()),
-            until: Number::new(until.to_string()),
+            from: Time::new(from),
+            until: Time::new(until),
             bounds: TwoSided::new(outer, inner, tightness),
             unit: param.unit.clone(),
         }
@@ -244,7 +296,7 @@ impl RefutedTogether {
             record,
             samples,
             lines,
-            time: Number::new(time.to_string()),
+            time: Time::new(time),
             line,
         }
     }

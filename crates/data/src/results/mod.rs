@@ -4,7 +4,7 @@ pub(crate) mod described;
 pub(crate) mod enclosed;
 pub(crate) mod folder;
 pub(crate) mod identified;
-mod number;
+pub(crate) mod number;
 mod parquet;
 pub(crate) mod printed;
 pub(crate) mod run_info;

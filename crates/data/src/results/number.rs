@@ -23,6 +23,20 @@ impl Number {
     }
 }
 
+/// A time as the exact decimal.
+///
+/// Example: [`EnclosureSummary`](crate::EnclosureSummary).
+#[derive(Debug, Clone, Serialize)]
+#[serde(transparent)]
+pub struct Time(Number);
+
+impl Time {
+    /// A time in seconds.
+    pub fn new(time: &Decimal) -> Self {
+        Time(Number::new(time.to_string()))
+    }
+}
+
 impl Serialize for Number {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let raw = self.0.clone().map(RawValue::from_string);

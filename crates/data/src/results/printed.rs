@@ -7,6 +7,16 @@ use veribound_model::diagnostic::Diagnostic;
 /// A `summary.json`, to be asked for the digits at a place.
 ///
 /// *Guarantee*: a number is given as it is printed in the file, digit for digit.
+///
+/// ```
+/// use veribound_data::Printed;
+///
+/// let summary = r#"{"parameters": {"k": {"lo": 0.10, "hi": null}}}"#;
+/// let printed = Printed::of(summary)?;
+/// assert_eq!(printed.at(&["parameters", "k", "lo"]), Some("0.10"));
+/// assert_eq!(Printed::pointer(&["parameters", "k", "lo"]), "/parameters/k/lo");
+/// # Ok::<(), veribound_model::diagnostic::Diagnostic>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Printed<'j>(&'j RawValue);
 

@@ -13,6 +13,29 @@ use veribound_model::diagnostic::Diagnostic;
 /// Paths are those that the user gave, relative to the folder in which the command was run; that
 /// folder is not named. Two runs with the same words, files and program on the same kind of machine
 /// write the same bytes: no time, no name of a user or machine is in it.
+///
+/// ```
+/// use std::path::Path;
+/// use veribound_data::{FileInfo, Platform, Program, Record, RecordInfo, RecordOptions, RunInfo, TableSource};
+/// use veribound_model::Model;
+///
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// let model = Model::from_text("decay.toml", text)?;
+/// let record = Record::open(TableSource::text("r.csv", "t,y\n0,1\n1,0.37\n"), &model, RecordOptions::default())?;
+/// let info = RunInfo {
+///     program: Program { version: "0.1.0".to_owned(), command: vec!["veribound".to_owned()] },
+///     platform: Platform::current(),
+///     model: FileInfo::of_text(Path::new("decay.toml"), text),
+///     record: Some(RecordInfo::of(&record)),
+///     records: Vec::new(),
+///     profile: None,
+///     start: Vec::new(),
+///     overlay: None,
+///     options: Default::default(),
+/// };
+/// assert!(info.to_toml()?.contains("samples = 2"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Serialize)]
 pub struct RunInfo {
     /// What ran.
@@ -41,6 +64,8 @@ pub struct RunInfo {
 }
 
 /// What ran.
+///
+/// Example: [`RunInfo`].
 #[derive(Debug, Clone, Serialize)]
 pub struct Program {
     /// Version of the program.
@@ -50,6 +75,8 @@ pub struct Program {
 }
 
 /// Where it ran. Results do not depend on it, times do.
+///
+/// Example: [`RunInfo`].
 #[derive(Debug, Clone, Serialize)]
 pub struct Platform {
     /// Operating system.
@@ -61,6 +88,8 @@ pub struct Platform {
 }
 
 /// A file and its digest.
+///
+/// Example: [`RunInfo`].
 #[derive(Debug, Clone, Serialize)]
 pub struct FileInfo {
     /// Path as the user gave it.
@@ -70,6 +99,8 @@ pub struct FileInfo {
 }
 
 /// A record and what was read from it.
+///
+/// Example: [`RunInfo`].
 #[derive(Debug, Clone, Serialize)]
 pub struct RecordInfo {
     /// Path as the user gave it.

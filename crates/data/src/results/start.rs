@@ -18,6 +18,8 @@ use veribound_model::model::Model;
 /// *Guarantee*: contains the parameters that the earlier run printed. (Printing rounds outward, and
 /// what is printed is read as the exact decimal, so nothing is lost.) Whether the earlier result is
 /// true of the new record is the user's word: that its parameters were the same.
+///
+/// Example: [`Summary`](crate::Summary).
 #[derive(Debug, Clone)]
 pub struct Start {
     /// Bounds of every parameter, in the order of the model, from `summary.json`.

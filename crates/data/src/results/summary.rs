@@ -1,6 +1,6 @@
 //! `summary.json`: the verdict of a run and the bounds it proved.
 
-use super::number::Number;
+use super::number::{Number, Time};
 use crate::{inward, outward};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
@@ -40,6 +40,42 @@ impl Verdict {
 /// *Guarantee*: bounds are decimal numbers rounded outward from what was proved, gaps and shrinks
 /// are rounded down. An infinite bound is `null`; where nothing is left, `"empty": true` stands for
 /// the bounds.
+///
+/// ```
+/// use veribound_data::{
+///     Kind, ParameterSummary, Refutation, ResultFolder, Start, StateSummary, Summary, Verdict, Work,
+/// };
+/// use veribound_interval::{Decimal, Interval};
+/// use veribound_model::Model;
+///
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// let model = Model::from_text("decay.toml", text)?;
+/// let proved = Interval::new(0.96875, 1.03125).unwrap();
+/// let mut summary = Summary {
+///     verdict: Verdict::Consistent,
+///     reason: None,
+///     refutation: None,
+///     samples: 3,
+///     parameters: vec![("k".to_owned(), ParameterSummary::new(&model.params[0], proved))],
+///     states: vec![("x".to_owned(), StateSummary::new(&model.states[0], Interval::ONE))],
+///     work: Work { box_steps: 40, ..Work::default() },
+///     interrupted: false,
+///     assumptions: Vec::new(),
+///     missing: Vec::new(),
+/// };
+/// // A later run can start from it.
+/// # let place = std::env::temp_dir().join(format!("veribound-doc-summary-{}", std::process::id()));
+/// let folder = ResultFolder::create(&place)?;
+/// folder.publish(vec![folder.write("summary.json", summary.to_json()?.as_bytes())?])?;
+/// assert_eq!(Start::read(&place, &model)?.params, [proved]);
+/// # std::fs::remove_dir_all(place)?;
+/// // What refutes a model is told with its gap, rounded down.
+/// let (time, measured) = (Decimal::parse("0.5")?, Interval::point(1.5));
+/// summary.verdict = Verdict::Inconsistent;
+/// summary.refutation = Some(Refutation::new(Kind::Output, (2, 4, &time), ("y", "m"), (Interval::ONE, measured)));
+/// assert!(summary.to_json()?.contains("\"gap\": 0.5"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, Serialize)]
 pub struct Summary {
     /// The verdict.
@@ -70,6 +106,8 @@ pub struct Summary {
 }
 
 /// Bounds of one parameter.
+///
+/// Example: [`Summary`].
 #[derive(Debug, Clone, Serialize)]
 pub struct ParameterSummary {
     #[serde(flatten)]
@@ -79,6 +117,8 @@ pub struct ParameterSummary {
 }
 
 /// Bounds of one state.
+///
+/// Example: [`Summary`].
 #[derive(Debug, Clone, Serialize)]
 pub struct StateSummary {
     #[serde(flatten)]
@@ -87,12 +127,14 @@ pub struct StateSummary {
 }
 
 /// The sample at which the last box was refuted.
+///
+/// Example: [`Summary`].
 #[derive(Debug, Clone, Serialize)]
 pub struct Refutation {
     kind: Kind,
     sample: u64,
     line: usize,
-    time: Number,
+    time: Time,
     output: String,
     unit: String,
     gap: Number,
@@ -101,6 +143,8 @@ pub struct Refutation {
 }
 
 /// What the model's enclosure contradicts.
+///
+/// Example: [`Summary`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
@@ -113,6 +157,8 @@ pub enum Kind {
 }
 
 /// What a run cost.
+///
+/// Example: [`Summary`].
 #[derive(Debug, Clone, Copy, Default, Serialize)]
 pub struct Work {
     /// Time for the whole record, in seconds.
@@ -169,7 +215,7 @@ impl Refutation {
             kind,
             sample,
             line,
-            time: Number::new(time.to_string()),
+            time: Time::new(time),
             output: output.to_owned(),
             unit: unit.to_owned(),
             // The smallest distance between the two sets, rounded down.

@@ -80,6 +80,8 @@ impl Bounds {
 }
 
 /// What is known of the parameters in a tile.
+///
+/// Example: [`Tile`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Status {
     /// All agree with model and records, with some start states.
@@ -91,6 +93,8 @@ pub enum Status {
 }
 
 /// Why a tile has its status.
+///
+/// Example: [`Tile`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum Reason {
     /// A quantity cannot have the value that this sample tells, with what samples before it leave.
@@ -186,6 +190,41 @@ pub struct Refuted {
 
 /// The value of a parameter between two resets that there may have been. Values that may be reset again at the next sample
 /// are not told.
+///
+/// ```
+/// use veribound_estimate::identify::{AfterReset, IdentifyOptions, identify};
+/// # use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::{Model, Sample};
+///
+/// // A height that may be another one where the signal is true.
+/// let text = r#"
+///     format = 1
+///     states = ["x"]
+///     init.x = 1
+///     params.c = [0, 1]
+///     der.x = "-x"
+///     outputs.y = "x + c +- 0.01"
+///     signals.new = { from = "column" }
+///     events.lift = { when = "new", lasts = 0, action = "reset c" }
+/// "#;
+/// let model = Model::from_text("m.toml", text)?;
+/// # let sample = |time: &str, y: f64| Sample {
+/// #     time: Decimal::parse(time).unwrap(),
+/// #     inputs: vec![],
+/// #     outputs: vec![Some(model.outputs[0].error.enclose(Interval::point(y)))],
+/// #     signals: vec![None; model.signals.len()],
+/// #     line: 1,
+/// # };
+/// let mut record = [("0", 1.5), ("1", 0.8679), ("2", 0.3853), ("3", 0.2998)].map(|(t, y)| sample(t, y));
+/// for (at, sample) in record.iter_mut().enumerate() {
+///     sample.signals = vec![Some(at == 2)];
+/// }
+/// let found = identify(&model, &[record.into()], &IdentifyOptions::default(), &|_| true);
+/// let later: &AfterReset = &found.resets[0][0];
+/// assert!(found.params[0].outer.contains(0.5) && later.bounds.outer.contains(0.25));
+/// assert_eq!((later.param, later.from.to_string()), (0, "2".to_owned()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct AfterReset {
     /// Position of the parameter.
@@ -199,6 +238,27 @@ pub struct AfterReset {
 }
 
 /// The least measurement errors with which model and records agree.
+///
+/// ```
+/// use veribound_estimate::identify::{IdentifyOptions, LeastError, least_error};
+/// # use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::{Model, Sample};
+///
+/// // A constant, read as 0 and as 1: errors of 0.1 cannot be, errors of 0.5 can.
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = [0, 1]\nder.x = \"0\"\noutputs.y = \"x +- 0.1\"";
+/// let model = Model::from_text("m.toml", text)?;
+/// # let sample = |time: &str, y: f64| Sample {
+/// #     time: Decimal::parse(time).unwrap(),
+/// #     inputs: vec![],
+/// #     outputs: vec![Some(model.outputs[0].error.enclose(Interval::point(y)))],
+/// #     signals: vec![None; model.signals.len()],
+/// #     line: 1,
+/// # };
+/// let record = [("0", 0.0), ("1", 1.0)].map(|(t, y)| sample(t, y)).into();
+/// let least: LeastError = least_error(&model, &[record], &IdentifyOptions::default(), &|_| true);
+/// assert!(least.factor.contains(5.0) && least.factor.width() < 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeastError {
     /// Proved: with declared measurement errors (half widths of what samples say of outputs) multiplied by less than the
@@ -295,6 +355,8 @@ pub struct Identified {
 }
 
 /// What limits the bounds of a parameter.
+///
+/// Example: [`Identified`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Limit {
     /// The record tells no more: outer and inner bounds are as near to each other as was wanted.
@@ -308,9 +370,43 @@ pub enum Limit {
 }
 
 /// Is given what makes the bytes to save, now and then; it may save or not.
+///
+/// Example: [`Checkpoints`].
 pub type Save<'a> = dyn Fn(&dyn Fn() -> Vec<u8>) + Sync + 'a;
 
 /// Where an identification is kept, so that it can go on after its end was forced.
+///
+/// ```
+/// use std::sync::Mutex;
+/// use veribound_estimate::identify::{Checkpoints, IdentifyOptions, Progress, Save, Unreadable, identify, resume};
+/// # use veribound_interval::{Decimal, Interval};
+/// # use veribound_model::{Model, Sample};
+///
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = Model::from_text("decay.toml", text)?;
+/// # let sample = |time: &str, y: f64| Sample {
+/// #     time: Decimal::parse(time).unwrap(),
+/// #     inputs: vec![],
+/// #     outputs: vec![Some(model.outputs[0].error.enclose(Interval::point(y)))],
+/// #     signals: vec![None; model.signals.len()],
+/// #     line: 1,
+/// # };
+/// let record: Vec<Sample> = [("0", 1.0), ("0.5", 0.6065), ("1", 0.3679)].map(|(t, y)| sample(t, y)).into();
+/// let (records, options) = ([record], IdentifyOptions { tightness: 1.0001, ..IdentifyOptions::default() });
+/// let kept = Mutex::new(Vec::new());
+/// let save: &Save<'_> = &|bytes| *kept.lock().unwrap() = bytes();
+/// let go_on = |standing: &Progress| standing.sets < 1000;
+/// let begun = Checkpoints { from: None, save };
+/// let whole = resume(&model, &records, &options, &begun, &go_on).unwrap();
+/// assert_eq!(whole.params, identify(&model, &records, &options, &go_on).params);
+/// // From what was saved last it comes to the same; from anything else to nothing.
+/// let last = kept.lock().unwrap().clone();
+/// let again = Checkpoints { from: Some(&last), save: &|_| () };
+/// assert_eq!(resume(&model, &records, &options, &again, &go_on), Ok(whole));
+/// let wrong = Checkpoints { from: Some(&[7]), save: &|_| () };
+/// assert_eq!(resume(&model, &records, &options, &wrong, &go_on), Err(Unreadable));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub struct Checkpoints<'a> {
     /// What was saved last by a run with the same model, records and options.
     pub from: Option<&'a [u8]>,
@@ -319,10 +415,14 @@ pub struct Checkpoints<'a> {
 }
 
 /// What was saved is not of this model, these records or this version.
+///
+/// Example: [`Checkpoints`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Unreadable;
 
 /// How far identification has come.
+///
+/// Example: [`Checkpoints`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Progress {
     /// Sets that were looked at.

@@ -72,6 +72,30 @@ use veribound_interval::Interval;
 use veribound_model::{Coverage, Graph, Guard, Layout, Model, Tape};
 
 /// A model compiled for comparison bounds.
+///
+/// ```
+/// use veribound_flow::comparison::{Cause, Comparison, Compared, Disorder, Outlook};
+/// use veribound_flow::form::{Effort, Flow, FormOptions, Stretch};
+/// use veribound_interval::Interval;
+/// use veribound_model::Var;
+///
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = [0.9, 1.1]\nparams.k = [0.5, 1]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = veribound_model::Model::from_text("decay.toml", text)?;
+/// let (start, params) = ([model.states[0].init], [model.params[0].bounds]);
+/// let second = [Stretch { inputs: vec![], dt: Interval::ONE }];
+/// let comparison = Comparison::new(&model);
+/// // x grows with its start and falls with k: two corners enclose all.
+/// let outlook: Outlook = comparison.outlook(&start, &params, &second);
+/// assert_eq!(outlook.corners, [Var::State(0), Var::Param(0)]);
+/// let all = (FormOptions::default(), Effort::default(), f64::INFINITY);
+/// let flow = Flow::new(&model);
+/// let found = comparison.enclose(&flow, (&start, &params), &second, all, &|_| true);
+/// let compared: Compared = found.map_err(|in_the_way| format!("{in_the_way:?}"))?;
+/// assert!(compared.enclosure.ends[0][0].width() < 0.35);
+/// let disorders: &[Disorder] = &compared.disorders;
+/// assert!(!disorders.iter().any(|disorder| matches!(disorder.cause, Cause::Jump)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Comparison {
     layout: Layout,

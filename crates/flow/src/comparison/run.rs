@@ -16,6 +16,8 @@ const PIECES: f64 = 64.0;
 const FINER: f64 = 4.0;
 
 /// Why there is no order.
+///
+/// Example: [`Comparison`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Cause {
     /// The rate of a state depends on another quantity with slopes that have no sign, or not the one that
@@ -45,6 +47,8 @@ pub enum Cause {
 }
 
 /// Why a quantity is in no order, and since when: seconds since the start.
+///
+/// Example: [`Comparison`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Disorder {
     /// Why.
@@ -54,6 +58,8 @@ pub struct Disorder {
 }
 
 /// What comparison bounds proved.
+///
+/// Example: [`Comparison`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
     /// The bounds: those of both corners together.
@@ -68,6 +74,8 @@ pub struct Compared {
 }
 
 /// An order that holds on the start box, at the start.
+///
+/// Example: [`Comparison`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outlook {
     /// Uncertain quantities in the order.

@@ -128,6 +128,8 @@ impl Answer {
 }
 
 /// What is asked of an engine.
+///
+/// Example: [`Engines`].
 #[derive(Debug, Clone, Copy)]
 pub struct Task<'a> {
     /// Start values.

@@ -22,6 +22,24 @@ use veribound_model::{ExprId, Graph, Layout, Model, Var};
 
 /// A model compiled for forms. Shared between threads; right-hand sides of modes are compiled when they
 /// are first met.
+///
+/// ```
+/// use veribound_flow::form::{BoxAfter, Flow, FormOptions, Stretch};
+/// use veribound_interval::Interval;
+///
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = [0.9, 1.1]\nparams.k = [0.5, 1]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = veribound_model::Model::from_text("decay.toml", text)?;
+/// let (start, params) = ([model.states[0].init], [model.params[0].bounds]);
+/// let flow = Flow::new(&model);
+/// let mut form = flow.start(&start, &params, FormOptions::default());
+/// flow.advance(&mut form, &[], Interval::ONE).map_err(|stopped| format!("{stopped:?}"))?;
+/// assert!(form.hull()[0].contains((-0.7_f64).exp()) && form.hull()[0].width() < 0.35);
+/// // A box forgets that all solutions have one value of k each.
+/// let second = Stretch { inputs: vec![], dt: Interval::ONE };
+/// let BoxAfter { states, rests } = flow.box_after(&start, &params, &second).unwrap();
+/// assert!(form.hull()[0].is_subset_of(states[0]) && !rests);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Flow {
     pub(super) layout: Layout,
@@ -35,6 +53,8 @@ pub struct Flow {
 }
 
 /// Where solutions from a box are after a stretch.
+///
+/// Example: [`Flow`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct BoxAfter {
     /// Encloses every state.
@@ -54,6 +74,21 @@ struct Store {
 }
 
 /// A stretch of time could not be proved. It says nothing about the existence of solutions.
+///
+/// ```
+/// use veribound_flow::form::{Diverged, Flow, FormOptions, Obstacle};
+/// use veribound_interval::Interval;
+///
+/// // x' = x² from 1 is infinite after a second.
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nder.x = \"x^2\"\noutputs.y = \"x +- 0.01\"";
+/// let model = veribound_model::Model::from_text("m.toml", text)?;
+/// let flow = Flow::new(&model);
+/// let mut form = flow.start(&[Interval::ONE], &[], FormOptions::default());
+/// let stopped: Diverged = flow.advance(&mut form, &[], Interval::point(2.0)).unwrap_err();
+/// assert!(stopped.reached.hi() < 1.0 && stopped.state == 0);
+/// assert_ne!(stopped.obstacle, Obstacle::Jump);
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Diverged {
     /// Why.

@@ -115,6 +115,37 @@ const REMEMBERED: usize = 4;
 /// All solutions of a form at the begin of a stretch, or at the end of the last.
 ///
 /// Guarantee: every solution of the form lies in it at that time.
+///
+/// ```
+/// use veribound_flow::form::{Arriving, Contradiction, Flow, FormOptions, Meeting, Output, OutputForm, Strip, Stretch};
+/// use veribound_interval::Interval;
+///
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = [0.9, 1.1]\nparams.k = [0.5, 1]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = veribound_model::Model::from_text("decay.toml", text)?;
+/// let (start, params) = ([model.states[0].init], [model.params[0].bounds]);
+/// let flow = Flow::new(&model);
+/// let output = Output::new(&model, model.outputs[0].expr);
+/// let second = [Stretch { inputs: vec![], dt: Interval::ONE }];
+/// let form = flow.start(&start, &params, FormOptions::default());
+/// let (mut left, mut captured) = (Vec::new(), 0);
+/// let mut meet = |meeting: Meeting<'_>| {
+///     let arriving: &Option<Arriving> = &meeting.arriving;
+///     captured += usize::from(arriving.is_some());
+///     if meeting.stretch == 1 {
+///         let strip: Strip = meeting.form.strip(&output, &[]).unwrap();
+///         let exact: OutputForm = meeting.form.output(&output, &[]).unwrap();
+///         assert_eq!(strip.slopes.len(), exact.slopes.len());
+///         // A measurement of 0.5 +- 0.01 after a second narrows k.
+///         let measured = Interval::point(0.5).inflate(0.01);
+///         let narrowed: Result<bool, Contradiction> = meeting.form.contract(&exact, measured);
+///         assert_eq!(narrowed, Ok(true));
+///         left = meeting.form.param_box();
+///     }
+/// };
+/// flow.follow(form, &second, &mut meet, &|_| true).map_err(|stopped| format!("{stopped:?}"))?;
+/// assert!(left[0].contains(0.7) && left[0].width() < 0.45 && captured == 0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug)]
 pub struct Meeting<'a> {
     /// Number of stretches behind.
@@ -133,6 +164,8 @@ pub struct Meeting<'a> {
 /// Guarantee: a solution is on the level at that time if and only if the state without capture, which lies in
 /// `ahead`, is on the level or beyond it. For before the crossing the state is on this side; and the state without
 /// capture moves one way at all times of the window, beyond the level too (`crossing.rs`).
+///
+/// Example: [`Meeting`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arriving {
     /// Position of the state.

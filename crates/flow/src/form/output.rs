@@ -15,6 +15,8 @@ use veribound_interval::Interval;
 use veribound_model::{ExprId, Graph, Model, Node, Var};
 
 /// An expression of a model, compiled to be evaluated on forms of that model.
+///
+/// Example: [`Meeting`](crate::form::Meeting).
 #[derive(Debug, Clone)]
 pub struct Output {
     /// The state that it is, if it is one.
@@ -26,6 +28,8 @@ pub struct Output {
 /// A quantity as an affine function of the unknowns, with quick bounds of what is not affine.
 ///
 /// Guarantee: that of [`OutputForm`](super::OutputForm), which is narrower and dearer.
+///
+/// Example: [`Meeting`](crate::form::Meeting).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Strip {
     /// Value for all unknowns in their middles.
@@ -37,6 +41,8 @@ pub struct Strip {
 }
 
 /// A measurement contradicts the form: no solution in it has such a value.
+///
+/// Example: [`Meeting`](crate::form::Meeting).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Contradiction;
 

@@ -20,6 +20,8 @@ const HIGHEST_DEGREE: usize = 12;
 const HOPELESS: f64 = 0.6;
 
 /// Time during which inputs stay inside their intervals.
+///
+/// Example: [`Engines`](crate::engine::Engines).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stretch {
     /// Every value each input can have.
@@ -29,6 +31,8 @@ pub struct Stretch {
 }
 
 /// When a run is good enough, and what may be spent.
+///
+/// Example: [`Engines`](crate::engine::Engines).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Effort {
     /// Share of any width at the end that may be more than is a function of the unknowns.
@@ -51,6 +55,25 @@ impl Default for Effort {
 /// Guarantee: all solutions from the start set exist to the end of the last stretch listed; at the end of
 /// every one they lie in its box of `ends`, and during the stretch in its box of `tubes`. The same holds of
 /// the values that outputs have, with inputs that are any measurable functions in those of the stretch.
+///
+/// ```
+/// use veribound_flow::form::{Effort, Enclosure, Flow, FormOptions, Part, Standing, Stretch};
+/// use veribound_interval::Interval;
+///
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = [0.9, 1.1]\nparams.k = [0.5, 1]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = veribound_model::Model::from_text("decay.toml", text)?;
+/// let (start, params) = ([model.states[0].init], [model.params[0].bounds]);
+/// let stretches = vec![Stretch { inputs: vec![], dt: Interval::point(0.5) }; 4];
+/// let go_on = |standing: Standing| standing.done < 100;
+/// let (options, effort) = (FormOptions::default(), Effort::default());
+/// let flow = Flow::new(&model);
+/// let found: Enclosure = flow.enclose_watched((&start, &params), &stretches, options, effort, &go_on);
+/// assert_eq!((found.ends.len(), found.stopped.is_none()), (4, true));
+/// assert!(found.tubes[0][0].contains(1.0) && found.ends[3][0].is_subset_of(found.tubes[3][0]));
+/// let whole: &Part = &found.parts[0];
+/// assert_eq!((found.parts.len(), whole.passed), (1, 4));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Enclosure {
     /// One box of states for the end of every stretch.
@@ -113,6 +136,8 @@ impl Enclosure {
 }
 
 /// A part of the start set, and where it went.
+///
+/// Example: [`Enclosure`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Part {
     /// Start values.
@@ -126,6 +151,8 @@ pub struct Part {
 }
 
 /// How far an enclosure has come.
+///
+/// Example: [`Enclosure`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Standing {
     /// Time since the start that the part at hand has reached on this way.

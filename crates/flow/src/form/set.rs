@@ -16,6 +16,8 @@ use super::surfaces::Signs;
 use veribound_interval::Interval;
 
 /// Settings of forms.
+///
+/// Example: [`Engines`](crate::engine::Engines).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FormOptions {
     /// Order of the Taylor series in time, 4 to 31; `None` chooses by what a step may neglect.
@@ -52,6 +54,8 @@ impl Default for FormOptions {
 }
 
 /// An uncertain quantity that dependence is kept on.
+///
+/// Example: [`Form`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Unknown {
     /// The start value of this state.
@@ -66,6 +70,8 @@ pub enum Unknown {
 ///
 /// All `z` with `|z_i - centre_i - Σ_a axes[i][a] δ_a| <= rest_i` for some `δ` in the unit box: states first,
 /// then parameters.
+///
+/// Example: [`Form`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parallelotope {
     /// Values for all `δ` zero.
@@ -102,6 +108,8 @@ pub(super) struct ParamForm {
 /// Guarantee: for every `δ` in the unit box the quantity of the solution that belongs to `δ` lies in
 /// `centre + Σ slopes[i] δ_i + remainder`. `δ_i = (value - middle) / radius` of the unknown `i`
 /// ([`Form::unknowns`]).
+///
+/// Example: [`Meeting`](crate::form::Meeting).
 #[derive(Debug, Clone, PartialEq)]
 pub struct OutputForm {
     /// Value for all unknowns in their middles.
@@ -120,6 +128,24 @@ pub struct OutputForm {
 /// Guarantee: for every `δ` in the unit box, the solution that starts at the start values and has the
 /// parameters of `δ` lies in `P(δ) + Q r` for some `r` in a box, where the unknowns are
 /// `middle + radius δ`.
+///
+/// ```
+/// use veribound_flow::form::{Flow, Form, FormOptions, Parallelotope, Unknown};
+/// use veribound_interval::Interval;
+///
+/// # let text = "format = 1\nstates = [\"x\"]\ninit.x = [0.9, 1.1]\nparams.k = [0.5, 1]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"";
+/// # let model = veribound_model::Model::from_text("decay.toml", text)?;
+/// let flow = Flow::new(&model);
+/// let form: Form = flow.start(&[model.states[0].init], &[model.params[0].bounds], FormOptions::default());
+/// let kept: Vec<Unknown> = form.unknowns().into_iter().map(|(unknown, _)| unknown).collect();
+/// assert_eq!(kept, [Unknown::Start(0), Unknown::Param(0)]);
+/// // Starts that grow with k: one unknown for both.
+/// let needle = Parallelotope { centre: vec![1.0, 0.75], axes: vec![vec![0.1], vec![0.25]], rest: vec![0.0, 0.0] };
+/// let form = flow.start_in(&needle, FormOptions::default());
+/// assert_eq!(form.unknowns()[0].0, Unknown::Axis(0));
+/// assert!(Interval::new(0.9, 1.1).unwrap().intersects(form.hull()[0]));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Form {
     pub(super) monomials: Arc<Monomials>,

@@ -25,6 +25,8 @@ const BALANCING: usize = 8;
 const SHORTENINGS: usize = 40;
 
 /// Why a step could not be proved.
+///
+/// Example: [`Diverged`](crate::form::Diverged).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Obstacle {
     /// Even the shortest step allowed finds no bound: the set grew too much.

@@ -6,6 +6,30 @@ use crate::system::System;
 use veribound_interval::Interval;
 
 /// What jumps at one instant.
+///
+/// ```
+/// use veribound_flow::{AtOnce, StepOptions, System, Workspace};
+/// use veribound_interval::Interval;
+///
+/// // A memory that takes what the input says once that is positive.
+/// let text = r#"
+///     format = 1
+///     states = ["x", "m"]
+///     init = { x = 0, m = 0 }
+///     inputs = ["u"]
+///     der = { x = "1", m = "0" }
+///     jumps.take = { when = "u >= 1 and m <= 0.5", set.m = "1" }
+///     outputs.y = "x +- 0.1"
+/// "#;
+/// let model = veribound_model::Model::from_text("m.toml", text)?;
+/// let system = System::new(&model);
+/// let mut workspace = Workspace::new(&system, StepOptions::default());
+/// let (states, new) = ([Interval::ZERO; 2], [false, false, true]);
+/// let found = system.jump_at_once(&states, &[], &[Interval::point(2.0)], &new, &mut workspace);
+/// let AtOnce { ends, jumped } = found.map_err(|failed| format!("{failed:?}"))?.unwrap();
+/// assert!(ends.iter().any(|end| end[1].contains(1.0)) && jumped == [1]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct AtOnce {
     /// Boxes of states that together contain every solution after its jumps.

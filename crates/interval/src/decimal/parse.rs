@@ -12,6 +12,14 @@ use super::Decimal;
 const LIMIT: usize = 10_000;
 
 /// Why a text is not a decimal number. `at` counts bytes from the start of the text.
+///
+/// ```
+/// use veribound_interval::{Decimal, DecimalError};
+///
+/// let wrong = Decimal::parse("1.2.3").unwrap_err();
+/// assert_eq!(wrong, DecimalError::UnexpectedCharacter { found: '.', at: 3 });
+/// assert_eq!(wrong.to_string(), "'.' cannot stand at character 4");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum DecimalError {

@@ -4,6 +4,8 @@ use super::Lanewise;
 use crate::Interval;
 
 /// One interval, or several side by side: what registers of an evaluator hold.
+///
+/// Example: [`Kernel`].
 pub trait Value: Copy + PartialEq + std::fmt::Debug + Send + Sync + 'static {
     /// One truth value per lane.
     type Mask: Lanewise;
@@ -16,6 +18,27 @@ pub trait Value: Copy + PartialEq + std::fmt::Debug + Send + Sync + 'static {
 }
 
 /// A loop over interval operations, written once for all values and instruction sets.
+///
+/// ```
+/// use veribound_interval::lanes::{Arithmetic, Kernel, MaskOf, Value};
+/// use veribound_interval::{Interval, Interval8};
+///
+/// /// Where `x² - x` may be zero.
+/// struct Zero<V>(V);
+///
+/// impl<V: Value> Kernel<V> for Zero<V> {
+///     type Output = V::Mask;
+///
+///     #[inline(always)]
+///     fn run<A: Arithmetic<Value = V>>(self) -> MaskOf<A> {
+///         A::contains_zero(&A::sub(&A::sqr(&self.0), &self.0))
+///     }
+/// }
+///
+/// let x = Interval8::from_fn(|lane| Interval::point(lane as f64));
+/// assert_eq!(Interval8::run(Zero(x)).bits(), 0b11);
+/// assert!(Interval::run(Zero(Interval::ONE)));
+/// ```
 pub trait Kernel<V: Value> {
     /// What the loop returns.
     type Output;
@@ -26,12 +49,16 @@ pub trait Kernel<V: Value> {
 }
 
 /// The masks of an [`Arithmetic`].
+///
+/// Example: [`Kernel`].
 pub type MaskOf<A> = <<A as Arithmetic>::Value as Value>::Mask;
 
 /// The operations on a [`Value`], for one instruction set.
 ///
 /// *Guarantee*: lane by lane the result of the operation of [`Interval`] with the same name, to the
 /// bit (the sign of a zero end aside).
+///
+/// Example: [`Kernel`].
 pub trait Arithmetic {
     /// What it works on.
     type Value: Value;

@@ -10,6 +10,15 @@ use crate::interval::{larger, smaller};
 /// Eight intervals side by side; lane by lane what [`Interval`] is.
 ///
 /// Stored as negated lower ends and upper ends, so that both are rounded up.
+///
+/// ```
+/// use veribound_interval::{Interval, Interval8};
+///
+/// let x = Interval8::from_fn(|lane| Interval::point(lane as f64));
+/// let sum = x + Interval8::splat(Interval::new(0.0, 1.0).unwrap());
+/// assert_eq!(sum.get(3), Interval::new(3.0, 4.0).unwrap());
+/// assert_eq!(sum.contains_zero().bits(), 1);
+/// ```
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval8 {

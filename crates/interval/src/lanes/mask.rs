@@ -6,6 +6,8 @@ use super::{Floats, LANES};
 
 /// One truth value for every lane of a [`super::Value`]: `bool` for one interval,
 /// [`Mask`] for eight.
+///
+/// Example: [`Mask`].
 pub trait Lanewise:
     Copy
     + PartialEq
@@ -40,6 +42,16 @@ impl Lanewise for bool {
 }
 
 /// Eight truth values, lane `i` in bit `i`.
+///
+/// ```
+/// use veribound_interval::lanes::{Floats, LANES, Lanewise, Mask};
+///
+/// let ones: Floats = [1.0; LANES];
+/// let small = Mask::below(&[0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0, f64::NAN], &ones);
+/// assert_eq!(small.lanes().collect::<Vec<_>>(), [0, 1]);
+/// assert!(small.any() && !small.all());
+/// assert_eq!(small.without(Mask::lane(1)), Mask::lane(0));
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Mask(u8);
 

@@ -70,4 +70,6 @@ pub use path::Path;
 pub const LANES: usize = 8;
 
 /// One float per lane.
+///
+/// Example: [`Mask`].
 pub type Floats = [f64; LANES];

@@ -17,6 +17,13 @@ const VARIABLE: &str = "VERIBOUND_LANES";
 ///
 /// All paths give the same bits, those of [`Interval`] (the sign of a zero end aside): by proof where
 /// operations are tight, and for elementary functions if CORE-MATH returns the nearest float.
+///
+/// ```
+/// use veribound_interval::lanes::Path;
+///
+/// assert!(Path::available().any(|path| path == Path::Portable));
+/// assert!(Path::chosen().is_available());
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Path {
     /// Error-free transformations in whatever the compilation target has.

@@ -19,6 +19,8 @@ use veribound_interval::Interval;
 const MOST_BOXES: usize = 3;
 
 /// Guards of several modes hold at the same points, not only at common borders.
+///
+/// Example: [`Overlaps`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Overlap {
     /// The modes, by their positions in [`Model::modes`]; all of one group.
@@ -35,6 +37,25 @@ pub struct Overlap {
 }
 
 /// What is known about overlaps.
+///
+/// ```
+/// use veribound_model::{Doubt, Model, Overlap, Overlaps};
+///
+/// let text = r#"
+///     format = 1
+///     states = ["x"]
+///     init.x = [-1, 1]
+///     modes.slow = { when = "x < 0.5", der.x = "1" }
+///     modes.fast = { when = "x > 0", der.x = "2" }
+///     outputs.y = "x +- 0.1"
+/// "#;
+/// let overlaps: Overlaps = Model::from_text("m.toml", text)?.overlaps();
+/// let both: &Overlap = &overlaps.found[0];
+/// assert_eq!((&both.modes[..], &both.states[..]), (&[0, 1][..], &[0][..]));
+/// let doubts: Vec<Doubt> = overlaps.undecided;
+/// assert!(doubts.is_empty());
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Overlaps {
     /// Those that are proved.
@@ -47,6 +68,8 @@ pub struct Overlaps {
 }
 
 /// Modes of which it was not decided whether their guards overlap.
+///
+/// Example: [`Overlaps`].
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Doubt {
     /// At one place.

@@ -7,6 +7,8 @@ use std::collections::HashMap;
 use veribound_interval::Interval;
 
 /// A state's value at which a comparison changes.
+///
+/// Example: [`Graph`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Level {
     /// The state.

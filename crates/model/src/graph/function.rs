@@ -5,6 +5,8 @@ use veribound_interval::Interval;
 use veribound_interval::lanes::Arithmetic;
 
 /// Functions of one argument.
+///
+/// Example: [`Graph`](crate::Graph).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Unary {
     /// `-a`
@@ -56,6 +58,8 @@ pub enum Unary {
 }
 
 /// Functions of two arguments.
+///
+/// Example: [`Graph`](crate::Graph).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Binary {
     /// `a + b`

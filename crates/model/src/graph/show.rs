@@ -5,6 +5,8 @@ use num_rational::BigRational;
 use num_traits::Signed;
 
 /// Names of all quantities, to write an expression in the user's words.
+///
+/// Example: [`Graph`].
 #[derive(Debug, Clone, Default)]
 pub struct Names {
     /// State names.

@@ -33,6 +33,20 @@ const LARGEST_DENOMINATOR: i64 = 64;
 type Exponent = Ratio<i64>;
 
 /// A unit: its symbols as the user wrote them, its dimension and its scale.
+///
+/// ```
+/// use veribound_interval::{Decimal, Interval};
+/// use veribound_model::Unit;
+/// use veribound_model::units::{Conversion, Scale};
+///
+/// let (degree, radian) = (Unit::parse("deg").unwrap(), Unit::parse("rad").unwrap());
+/// assert!(degree.has_dimension_of(&radian) && !degree.is_scaled_like(&radian));
+/// let exact: Conversion = degree.conversion_to(&radian).unwrap();
+/// let scale: &Scale = exact.factor();
+/// assert!(!scale.is_one());
+/// let half_turn = exact.apply(&Decimal::from_i64(180));
+/// assert!(half_turn.intersects(Interval::PI) && half_turn.width() < 1e-14);
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Unit {
     symbols: Vec<(String, Exponent)>,

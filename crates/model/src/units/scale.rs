@@ -9,6 +9,8 @@ use veribound_interval::{Decimal, Interval, rational_to_interval};
 const MOST_BITS: u64 = 65_536;
 
 /// `rational * pi^pi`, never zero or negative.
+///
+/// Example: [`Unit`](crate::Unit).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scale {
     rational: BigRational,
@@ -112,6 +114,8 @@ impl fmt::Display for Scale {
 }
 
 /// From numbers in one unit to numbers in another.
+///
+/// Example: [`Unit`](crate::Unit).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Conversion {
     factor: Scale,

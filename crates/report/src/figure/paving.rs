@@ -1,17 +1,13 @@
 //! Two parameters of a paving: which of their values are inside, outside, undecided.
 
-use super::{Figure, left_margin, titled};
+use super::pair::{self, HEIGHT};
+use super::{Figure, titled};
 use crate::axis::{Axis, Room};
 use crate::identification::{Identification, ProvedParameter, TileStatus};
-use crate::legend::{self, Entry};
+use crate::legend::Entry;
 use crate::panel::Panel;
-use crate::svg::{Anchor, Canvas, Px, Rect, push};
+use crate::svg::Canvas;
 use crate::theme;
-
-const HEIGHT: f64 = 420.0;
-/// Height of tick labels and the label below.
-const FOOT: f64 = 42.0;
-const HEADING: f64 = 26.0;
 
 /// So many parameters are shown in pairs; fifteen figures.
 const MOST: usize = 6;
@@ -60,7 +56,7 @@ impl Identification {
     fn draw_pair(&self, name: &str, (i, j): (usize, usize), whole: bool) -> String {
         let mut canvas = Canvas::new(name, theme::WIDTH);
         let [Some(first), Some(second)] = [i, j].map(|at| self.params.get(at)) else {
-            return canvas.finish(HEADING, "");
+            return canvas.finish(0.0, "");
         };
         let shadows = |status: TileStatus| -> Vec<Flat> {
             let tiles = self.tiles.iter().filter(|tile| tile.status == status);
@@ -90,8 +86,6 @@ impl Identification {
         if prior.has_edge_in(shown) {
             entries.push(Entry::line(theme::prior(), "prior"));
         }
-        let right = theme::WIDTH - 12.0;
-        let top = 4.0 + HEADING + legend::draw(&mut canvas, &entries, (2.0, right), 4.0);
         let size = theme::SMALL.size;
         let value = Room {
             length: HEIGHT,
@@ -99,26 +93,16 @@ impl Identification {
             font: 0.0,
         };
         let value = Axis::linear(shown.y.0, shown.y.1, value);
-        let left = left_margin(value.label_width(size));
-        let area = Rect {
-            x: left,
-            y: top,
-            w: right - left,
-            h: HEIGHT,
-        };
-        let across = Room {
-            length: area.w,
-            spacing: 5.0 * size,
-            font: size,
-        };
-        let panel = Panel {
-            area,
-            time: Axis::linear(shown.x.0, shown.x.1, across),
-            value,
-            bucket: super::BUCKET,
-        };
+        let panel = pair::panel(&mut canvas, &entries, value, |width| {
+            let room = Room {
+                length: width,
+                spacing: 5.0 * size,
+                font: size,
+            };
+            Axis::linear(shown.x.0, shown.x.1, room)
+        });
         panel.grid(&mut canvas);
-        canvas.open_clip(area);
+        canvas.open_clip(panel.area);
         canvas.layers(&rectangles(&panel, [prior]), &styles.outside);
         canvas.layers(&rectangles(&panel, inside.iter().copied()), &styles.inside);
         let open = without(&undecided, &inside);
@@ -129,15 +113,10 @@ impl Identification {
         }
         canvas.close();
         dotted(&mut canvas, &panel, prior);
-        panel.axes(&mut canvas, theme::SMALL);
-        let label = second.quantity.label();
-        canvas.text((2.0, top - 9.0), &label, Anchor::Start, theme::NAME);
-        let below = (left + area.w / 2.0, area.bottom() + 34.0);
-        let label = first.quantity.label();
-        canvas.text(below, &label, Anchor::Middle, theme::NAME);
         let what = format!("{} and {}", first.quantity.name, second.quantity.name);
         let what = titled(&self.title, &format!("what the record leaves of {what}"));
-        canvas.finish(area.bottom() + FOOT, &what)
+        let labels = (&*first.quantity.label(), &*second.quantity.label());
+        pair::finish(canvas, &panel, labels, &what)
     }
 }
 
@@ -208,12 +187,7 @@ fn dotted(canvas: &mut Canvas, panel: &Panel, prior: Flat) {
 fn rectangles(panel: &Panel, list: impl IntoIterator<Item = Flat>) -> String {
     let mut data = String::new();
     for Flat { x, y } in list {
-        let (left, right) = (Px::below(panel.px(x.0)), Px::above(panel.px(x.1)));
-        let (top, bottom) = (Px::below(panel.py(y.1)), Px::above(panel.py(y.0)));
-        push(
-            &mut data,
-            format_args!("M{left} {top}H{right}V{bottom}H{left}Z"),
-        );
+        pair::rectangle(&mut data, panel, x, y);
     }
     data
 }
@@ -293,6 +267,7 @@ fn difference(first: &[(f64, f64)], others: &[(f64, f64)]) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::svg::Rect;
 
     fn stream(seed: u64) -> impl FnMut() -> f64 {
         let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;

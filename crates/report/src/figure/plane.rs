@@ -1,17 +1,12 @@
 //! The phase plane: all values of two states together.
 
-use super::left_margin;
-use crate::legend::{self, Entry};
+use super::pair::{self, HEIGHT};
+use crate::legend::Entry;
 use crate::panel::{Panel, value_axis};
-use crate::svg::{Anchor, Canvas, Px, Rect, push};
+use crate::svg::{Canvas, Px, push};
 use crate::theme;
 use crate::track::{Band, Cell};
 use crate::tube::Tube;
-
-const HEIGHT: f64 = 420.0;
-/// Height of tick labels and the label below.
-const FOOT: f64 = 42.0;
-const HEADING: f64 = 26.0;
 
 impl Tube {
     /// The union of the boxes of two states, the first and the last of them marked.
@@ -26,26 +21,13 @@ impl Tube {
         if self.count > 0 {
             entries.push(Entry::line(theme::trajectory(), "true trajectories"));
         }
-        let right = theme::WIDTH - 12.0;
-        let top = 4.0 + HEADING + legend::draw(&mut canvas, &entries, (2.0, right), 4.0);
-
         let (xs, ys) = (self.since_and_at(x), self.since_and_at(y));
         let value = value_axis(&ys, &[], HEIGHT, theme::SMALL);
-        let left = left_margin(value.label_width(theme::SMALL.size));
-        let area = Rect {
-            x: left,
-            y: top,
-            w: right - left,
-            h: HEIGHT,
-        };
-        let panel = Panel {
-            area,
-            time: value_axis(&xs, &[], area.w / 2.5, theme::SMALL),
-            value,
-            bucket: super::BUCKET,
-        };
+        let panel = pair::panel(&mut canvas, &entries, value, |width| {
+            value_axis(&xs, &[], width / 2.5, theme::SMALL)
+        });
         panel.grid(&mut canvas);
-        canvas.open_clip(area);
+        canvas.open_clip(panel.area);
         let tube = self.since.cells().iter();
         let data: String = tube.map(|cell| rectangle(&panel, cell, (x, y))).collect();
         canvas.path(&data, &theme::union());
@@ -65,11 +47,8 @@ impl Tube {
             canvas.path(&line, &format!("fill=\"none\" {}", theme::trajectory()));
         }
         canvas.close();
-        panel.axes(&mut canvas, theme::SMALL);
-        canvas.text((2.0, top - 9.0), &label(y), Anchor::Start, theme::NAME);
-        let below = (left + area.w / 2.0, area.bottom() + 34.0);
-        canvas.text(below, &label(x), Anchor::Middle, theme::NAME);
-        canvas.finish(area.bottom() + FOOT, &history.title("phase plane"))
+        let title = history.title("phase plane");
+        pair::finish(canvas, &panel, (&label(x), &label(y)), &title)
     }
 
     fn since_and_at(&self, state: usize) -> Vec<Band> {
@@ -88,12 +67,7 @@ impl Tube {
 fn rectangle(panel: &Panel, cell: &Cell, (x, y): (usize, usize)) -> String {
     let mut data = String::new();
     if let Some((x, y)) = cell.band(x).zip(cell.band(y)) {
-        let (left, right) = (Px::below(panel.px(x.lo)), Px::above(panel.px(x.hi)));
-        let (top, bottom) = (Px::below(panel.py(y.hi)), Px::above(panel.py(y.lo)));
-        push(
-            &mut data,
-            format_args!("M{left} {top}H{right}V{bottom}H{left}Z"),
-        );
+        pair::rectangle(&mut data, panel, (x.lo, x.hi), (y.lo, y.hi));
     }
     data
 }
@@ -117,6 +91,7 @@ fn line(panel: &Panel, cells: &[Cell], (x, y): (usize, usize)) -> String {
 mod tests {
     use super::*;
     use crate::meta::{FigureMeta, Quantity};
+    use crate::svg::Rect;
     use crate::tube::TubeRow;
 
     /// Every box given lies in the rectangle drawn for it.

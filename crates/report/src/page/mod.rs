@@ -25,6 +25,25 @@ const SCRIPTS: [&str; 4] = [
 const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:";
 
 /// All that is shown of a run. Texts are plain: they are escaped when the page is made.
+///
+/// ```
+/// use veribound_report::{Block, Entry, Page, Section, Table, Tone, Value};
+///
+/// let value = |text: &str, at: &str| Value { text: text.to_owned(), at: at.to_owned() };
+/// let bounds = Entry::Bounds(value("0.9", "/parameters/k/lo"), value("1.1", "/parameters/k/hi"));
+/// let table = Table {
+///     head: vec!["parameter".to_owned(), "proved bounds".to_owned()],
+///     rows: vec![vec![Entry::Text("k".to_owned()), bounds]],
+/// };
+/// let page = Page {
+///     title: "decay".to_owned(),
+///     headline: "Consistent".to_owned(),
+///     tone: Tone::Bounds,
+///     before: vec![Section { title: "Bounds".to_owned(), blocks: vec![Block::Table(table)] }],
+///     ..Page::default()
+/// };
+/// assert!(page.render().contains("<data data-at=\"/parameters/k/lo\">0.9</data>"));
+/// ```
 #[derive(Clone, Debug, Default)]
 pub struct Page {
     /// Name of what was looked at: the model.
@@ -48,6 +67,8 @@ pub struct Page {
 }
 
 /// What a verdict says to the eye.
+///
+/// Example: [`Page`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Tone {
     /// Bounds were proved.
@@ -60,6 +81,8 @@ pub enum Tone {
 }
 
 /// A part of the page under its own heading.
+///
+/// Example: [`Page`].
 #[derive(Clone, Debug, Default)]
 pub struct Section {
     /// The heading.
@@ -69,6 +92,8 @@ pub struct Section {
 }
 
 /// A piece of a section.
+///
+/// Example: [`Page`].
 #[derive(Clone, Debug)]
 pub enum Block {
     /// A paragraph.
@@ -89,6 +114,8 @@ pub enum Block {
 }
 
 /// Rows of entries below a head.
+///
+/// Example: [`Page`].
 #[derive(Clone, Debug, Default)]
 pub struct Table {
     /// Titles of the columns.
@@ -98,6 +125,8 @@ pub struct Table {
 }
 
 /// An entry of a table.
+///
+/// Example: [`Page`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum Entry {
     /// Words.
@@ -118,6 +147,8 @@ pub enum Entry {
 }
 
 /// A number as the summary prints it.
+///
+/// Example: [`Page`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Value {
     /// Its digits.

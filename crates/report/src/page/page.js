@@ -65,13 +65,14 @@
     let printing = false;
     const touch = matchMedia("(pointer: coarse)").matches;
     const figures = [];
-    const main = scene.tracks[0];
-    const whole = main && main.cells ? span(main) : null;
+    const whole = span(scene.tracks.filter((track) => track.cells));
     let view = whole && { ...whole };
 
-    function span(track) {
-      const last = Math.max(track.t1[track.cells - 1], scene.refuted ?? -Infinity);
-      const first = track.t0[0];
+    /** All times of these tracks. */
+    function span(tracks) {
+      if (!tracks.length) return null;
+      const first = Math.min(...tracks.map((track) => track.t0[0]));
+      const last = Math.max(scene.refuted ?? -Infinity, ...tracks.map((track) => track.t1[track.cells - 1]));
       return last > first ? { from: first, to: last } : { from: first - 0.5, to: first + 0.5 };
     }
 
@@ -149,7 +150,7 @@
       layout.shapes.push({ type: "line", xref: "x", yref: "paper", x0: scene.refuted, x1: scene.refuted, y0: 0, y1: 1,
         line: { color: c.red, width: 1.5 } });
     }
-    const framed = (width) => ({ l: 64, r: 14, t: 26, b: 44, ...(width < 480 ? { l: 48, r: 6 } : {}) });
+    const framed = (width) => ({ l: 74, r: 14, t: 26, b: 44, ...(width < 480 ? { l: 48, r: 6 } : {}) });
 
     // [2/5] Bands over time.
     const ROW = 150, GAP = 34;
@@ -207,7 +208,7 @@
 
     function resets(panel, name, [low, high], seen, c) {
       const x = [], y = [];
-      for (const [l, r] of stretches(main, panel.resets, (mark) => mark !== 0, false, seen)) {
+      for (const [l, r] of stretches(scene.tracks[panel.layers[0].track], panel.resets, (mark) => mark !== 0, false, seen)) {
         const t = view.from + (l + r) / 2 * (view.to - view.from) / seen.buckets;
         x.push(t, t, null);
         y.push(low, low + (high - low) * 0.08, null);
@@ -261,7 +262,7 @@
       const step = (view.to - view.from) / seen.buckets;
       const bars = (at, claim, everywhere, look) => {
         const x = [], y = [];
-        for (const [l, r] of stretches(main, at, claim, everywhere, seen)) {
+        for (const [l, r] of stretches(scene.tracks[modes.track], at, claim, everywhere, seen)) {
           const [left, right] = [view.from + l * step, view.from + r * step];
           x.push(left, right, right, left, left, null);
           y.push(at - 0.3, at - 0.3, at + 0.3, at + 0.3, at - 0.3, null);
@@ -353,9 +354,9 @@
     const MANY = 8;
     const work = scene.groups.filter((group) => group.id === "work");
     scene.groups.filter((group) => group.id !== "work").forEach(panels);
-    if (scene.modes) {
-      const { holder, div } = figure("Modes", (at) => strip(scene.modes, at), true);
-      div.id = "plot-modes";
+    for (const modes of scene.modes) {
+      const { holder, div } = figure(modes.title, (at) => strip(modes, at), true);
+      div.id = `plot-${modes.id}`;
       legendOf([["alone", "the only possible mode"], ["possible", "possible beside others"], ["never", "proved impossible"]], holder);
       holder.append(div);
     }
@@ -364,6 +365,7 @@
       const chosen = new Set(group.panels.map((_, at) => at).slice(0, MANY));
       const { holder, div, entry } = figure(group.title, (at) => bands(group, at, chosen), true);
       div.id = `plot-${group.id}`;
+      if (group.note) element("p", group.note, holder);
       legendOf(group.legend, holder);
       if (group.panels.length > MANY) choose(group, chosen, holder, entry);
       holder.append(div);
@@ -471,7 +473,7 @@
       button("◀", "Earlier", () => move(-0.4));
       button("▶", "Later", () => move(0.4));
       if (scene.refuted !== null) {
-        const near = 60 * (whole.to - whole.from) / Math.max(main.cells, 60);
+        const near = 60 * (whole.to - whole.from) / Math.max(scene.tracks[0].cells, 60);
         button("Where it fails", "Show the time of the contradiction", () => setView(scene.refuted - near, scene.refuted + near / 3));
       }
       const told = element("output", "", tools);

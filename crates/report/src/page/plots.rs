@@ -2,7 +2,7 @@
 
 use super::pack::Columns;
 use crate::history::History;
-use crate::identification::{Identification, PavingTile, TileStatus};
+use crate::identification::{Course, Identification, PavingTile, TileStatus};
 use crate::meta::{Parameter, Quantity};
 use crate::theme;
 use crate::track::Cell;
@@ -11,6 +11,8 @@ use serde::Serialize;
 use veribound_interval::{Interval, text};
 
 /// The plots of a page.
+///
+/// Example: [`PavingTile`].
 #[derive(Clone, Debug, Default)]
 pub struct Plots {
     scene: Scene,
@@ -26,7 +28,7 @@ struct Scene {
     refuted: Option<f64>,
     tracks: Vec<TrackShape>,
     groups: Vec<Group>,
-    modes: Option<Modes>,
+    modes: Vec<Modes>,
     planes: Vec<Plane>,
 }
 
@@ -41,8 +43,10 @@ struct TrackShape {
 /// Panels over time that belong together.
 #[derive(Clone, Debug, Serialize)]
 struct Group {
-    id: &'static str,
-    title: &'static str,
+    id: String,
+    title: String,
+    /// A paragraph above the panels.
+    note: String,
     /// What the colours mean: a style and its words.
     legend: Vec<(&'static str, &'static str)>,
     panels: Vec<Panel>,
@@ -58,7 +62,7 @@ struct Panel {
     prior: Option<Prior>,
     /// A broken line: a nominal value, or a deadline.
     line: Option<f64>,
-    /// Marks of resets.
+    /// Marks of resets, of the track of the first layer.
     resets: Option<usize>,
     /// Whether zero belongs to the picture.
     zero: bool,
@@ -85,6 +89,9 @@ struct Layer {
 
 #[derive(Clone, Debug, Serialize)]
 struct Modes {
+    id: String,
+    title: String,
+    track: usize,
     names: Vec<String>,
 }
 
@@ -143,59 +150,32 @@ impl Plots {
             history.milliseconds_series() + 1,
             history.marks(),
         );
-        let layer = |series, style, between, says| Layer {
+        plots.course(0, history, &Chapter::default());
+        let count = |series, says| Layer {
             track: 0,
             series,
-            style,
-            between,
+            style: "count",
+            between: "holds",
             says,
         };
-        let outputs = meta.outputs.iter().enumerate().map(|(j, quantity)| Panel {
-            layers: vec![
-                layer(history.measured_series(j), "measured", "rare", "measured"),
-                layer(history.output_series(j), "proved", "moves", "proved"),
-            ],
-            clash: history.clash_of(j),
-            ..Panel::of(quantity)
-        });
-        let outputs: Vec<Panel> = outputs.collect();
-        let measured = ("measured", "what the measurement allows");
-        plots.group("outputs", "Outputs", vec![measured, PROVED], outputs);
-        let states = meta.states.iter().enumerate().map(|(i, quantity)| Panel {
-            layers: vec![layer(history.state_series(i), "proved", "moves", "proved")],
-            ..Panel::of(quantity)
-        });
-        plots.group("states", "States", vec![PROVED], states.collect());
-        let params = meta.params.iter().enumerate().map(|(i, param)| Panel {
-            color: theme::parameter(i),
-            layers: vec![layer(history.param_series(i), "proved", "holds", "proved")],
-            prior: Some(Prior::of(param)),
-            line: param.nominal,
-            resets: Some(history.reset_marks(i)),
-            ..Panel::of(&param.quantity)
-        });
-        let legend = vec![PROVED, ("prior", "prior"), ("reset", "reset")];
-        plots.group("parameters", "Parameters", legend, params.collect());
-        plots.modes(&meta.modes);
         let boxes = Panel {
             color: theme::BLUE,
-            layers: vec![layer(history.boxes_series(), "count", "holds", "boxes")],
+            layers: vec![count(history.boxes_series(), "boxes")],
             zero: true,
             ..Panel::of(&Quantity::new("boxes", ""))
         };
         let spent = Panel {
             color: theme::BLUE,
-            layers: vec![layer(
-                history.milliseconds_series(),
-                "count",
-                "holds",
-                "spent",
-            )],
+            layers: vec![count(history.milliseconds_series(), "spent")],
             line: meta.sample_time_ms,
             zero: true,
             ..Panel::of(&Quantity::new("time per sample", "ms"))
         };
-        plots.group("work", "Work", Vec::new(), vec![boxes, spent]);
+        plots.group(
+            Chapter::default().named("work", "Work"),
+            Vec::new(),
+            vec![boxes, spent],
+        );
         plots
     }
 
@@ -241,12 +221,20 @@ impl Plots {
         }
         let states = meta.states.iter().enumerate();
         let states = states.map(|(i, quantity)| panel(quantity, history.state_series(i), i));
-        plots.group("states", "States", legend.clone(), states.collect());
+        plots.group(
+            Chapter::default().named("states", "States"),
+            legend.clone(),
+            states.collect(),
+        );
         let outputs = meta.outputs.iter().enumerate();
         let outputs = outputs
             .map(|(j, quantity)| panel(quantity, history.output_series(j), meta.states.len() + j));
-        plots.group("outputs", "Outputs", legend, outputs.collect());
-        plots.modes(&meta.modes);
+        plots.group(
+            Chapter::default().named("outputs", "Outputs"),
+            legend,
+            outputs.collect(),
+        );
+        plots.modes(0, &meta.modes, &Chapter::default());
         if meta.states.len() > 1 {
             let cells = tube.since.cells();
             let of = |cell: &Cell, i: usize| cell.band(i).map(|band| (band.lo, band.hi));
@@ -270,9 +258,17 @@ impl Plots {
         plots
     }
 
-    /// The plots of an identification: its paving.
-    pub fn of_identification(found: &Identification) -> Plots {
+    /// The plots of an identification: what is known along its records, and its paving.
+    pub fn of_identification(found: &Identification, courses: &[Course]) -> Plots {
         let mut plots = Plots::default();
+        for (number, course) in courses.iter().enumerate() {
+            let history = &course.history;
+            plots.scene.time.clone_from(&history.meta().time_unit);
+            // Work is not told by sample.
+            let series = history.boxes_series();
+            plots.track(history.detail(), series, history.marks());
+            plots.course(number, history, &Chapter::of(number, course));
+        }
         if found.tiles.is_empty() || found.params.len() < 2 {
             return plots;
         }
@@ -352,10 +348,52 @@ impl Plots {
         }
     }
 
+    /// Outputs, states, parameters and modes along a record.
+    fn course(&mut self, track: usize, history: &History, chapter: &Chapter) {
+        let meta = history.meta();
+        let layer = |series, style, between, says| Layer {
+            track,
+            series,
+            style,
+            between,
+            says,
+        };
+        let outputs = meta.outputs.iter().enumerate().map(|(j, quantity)| Panel {
+            layers: vec![
+                layer(history.measured_series(j), "measured", "rare", "measured"),
+                layer(history.output_series(j), "proved", "moves", "proved"),
+            ],
+            clash: history.clash_of(j),
+            ..Panel::of(quantity)
+        });
+        let measured = ("measured", "what the measurement allows");
+        let named = chapter.named("outputs", "Outputs");
+        self.group(named, vec![measured, PROVED], outputs.collect());
+        let states = meta.states.iter().enumerate().map(|(i, quantity)| Panel {
+            layers: vec![layer(history.state_series(i), "proved", "moves", "proved")],
+            ..Panel::of(quantity)
+        });
+        let named = chapter.named("states", "States");
+        self.group(named, vec![PROVED], states.collect());
+        let params = meta.params.iter().enumerate();
+        let params = params.filter(|(i, _)| !chapter.only_resets || history.is_reset(*i));
+        let params = params.map(|(i, param)| Panel {
+            color: theme::parameter(i),
+            layers: vec![layer(history.param_series(i), "proved", "holds", "proved")],
+            prior: Some(Prior::of(param)),
+            line: param.nominal,
+            resets: Some(history.reset_marks(i)),
+            ..Panel::of(&param.quantity)
+        });
+        let legend = vec![PROVED, ("prior", "prior"), ("reset", "reset")];
+        let named = chapter.named("parameters", "Parameters");
+        self.group(named, legend, params.collect());
+        self.modes(track, &meta.modes, chapter);
+    }
+
     fn group(
         &mut self,
-        id: &'static str,
-        title: &'static str,
+        (id, title, note): (String, String, String),
         legend: Vec<(&'static str, &'static str)>,
         panels: Vec<Panel>,
     ) {
@@ -363,15 +401,20 @@ impl Plots {
             self.scene.groups.push(Group {
                 id,
                 title,
+                note,
                 legend,
                 panels,
             });
         }
     }
 
-    fn modes(&mut self, names: &[String]) {
+    fn modes(&mut self, track: usize, names: &[String], chapter: &Chapter) {
         if names.len() > 1 {
-            self.scene.modes = Some(Modes {
+            let (id, title, _) = chapter.named("modes", "Modes");
+            self.scene.modes.push(Modes {
+                id,
+                title,
+                track,
                 names: names.to_vec(),
             });
         }
@@ -410,6 +453,52 @@ impl Plots {
             legend,
             first,
         });
+    }
+}
+
+/// What the plots of a record are called, and say of themselves.
+#[derive(Default)]
+struct Chapter {
+    /// Stands behind ids.
+    number: String,
+    /// Stands behind titles.
+    of: String,
+    /// Said of the outputs.
+    note: String,
+    /// Whether parameters that keep one value are left out.
+    only_resets: bool,
+}
+
+impl Chapter {
+    fn of(number: usize, course: &Course) -> Chapter {
+        let mut note = String::from(
+            "All that is left at each sample: parameters and start inside the outer bounds, in agreement with all samples \
+             until then.",
+        );
+        if !course.is_whole {
+            note.push_str(" Beyond the last time shown nothing is proved.");
+        }
+        let of = course.record.as_ref();
+        Chapter {
+            number: match number {
+                0 => String::new(),
+                _ => format!("-{}", number + 1),
+            },
+            of: of.map_or_else(String::new, |record| format!(", {record}")),
+            note,
+            only_resets: true,
+        }
+    }
+
+    /// Id, title and note of a group.
+    fn named(&self, id: &str, title: &str) -> (String, String, String) {
+        let note = if id == "outputs" { &*self.note } else { "" };
+        let Chapter { number, of, .. } = self;
+        (
+            format!("{id}{number}"),
+            format!("{title}{of}"),
+            note.to_owned(),
+        )
     }
 }
 

@@ -6,7 +6,8 @@ use super::flags::{
 };
 pub use super::identify::arguments::Identify;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use veribound_data::ResultFolder;
 use veribound_estimate::{ObserverOptions, ParameterRule};
 use veribound_flow::engine::Engine;
 use veribound_interval::Decimal;
@@ -356,6 +357,11 @@ impl Shown {
             ", figures in fig/"
         };
         format!("{page}{figures}")
+    }
+
+    /// The folder for the results.
+    pub fn folder(&self, place: &Path) -> Result<ResultFolder, Diagnostic> {
+        Ok(ResultFolder::create(place)?.with_parquet(self.parquet))
     }
 
     /// Refuses figures and no figures.

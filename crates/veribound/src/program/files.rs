@@ -58,32 +58,7 @@ impl<'m> Files<'m> {
         let mut row: Vec<Cell> = estimate.params.iter().map(|p| Cell::Bounds(*p)).collect();
         row.push(Cell::Text(&resets));
         self.params.row(&sample.time, &row)?;
-        let pairs = |list: &[Interval]| list.iter().map(|x| (x.lo(), x.hi())).collect::<Vec<_>>();
-        let measured: Vec<Option<(f64, f64)>> = sample
-            .outputs
-            .iter()
-            .map(|y| y.map(|y| (y.lo(), y.hi())))
-            .collect();
-        let modes: Vec<bool> = drawn_modes(self.model)
-            .flatten()
-            .map(|mode| estimate.modes.contains(mode))
-            .collect();
-        let row = SampleRow {
-            t: sample.time.to_interval().mid(),
-            outputs: &pairs(&estimate.outputs),
-            measured: &measured,
-            states: &pairs(&estimate.states),
-            params: &pairs(&estimate.params),
-            resets: &estimate.resets,
-            modes: &modes,
-            boxes: estimate.boxes as u64,
-            milliseconds: seconds * 1e3,
-        };
-        match self.history.push(&row) {
-            // Stamps that differ by less than a float can tell share a point of the time axis.
-            Ok(()) | Err(ReportError::TimeNotIncreasing { .. }) => Ok(()),
-            Err(error) => Err(undrawable(&error)),
-        }
+        push(&mut self.history, self.model, (sample, estimate), seconds)
     }
 
     /// Marks the sample that refutes the model in all figures.
@@ -169,6 +144,41 @@ impl<'m> Files<'m> {
             Some(other) => self.history.render_compared(other),
             None => self.history.render_all(),
         })
+    }
+}
+
+/// Adds what is known after a sample to what figures and page are drawn from.
+pub fn push(
+    history: &mut History,
+    model: &Model,
+    (sample, estimate): (&Sample, &Estimate),
+    seconds: f64,
+) -> Result<(), Diagnostic> {
+    let pairs = |list: &[Interval]| list.iter().map(|x| (x.lo(), x.hi())).collect::<Vec<_>>();
+    let measured: Vec<Option<(f64, f64)>> = sample
+        .outputs
+        .iter()
+        .map(|y| y.map(|y| (y.lo(), y.hi())))
+        .collect();
+    let modes: Vec<bool> = drawn_modes(model)
+        .flatten()
+        .map(|mode| estimate.modes.contains(mode))
+        .collect();
+    let row = SampleRow {
+        t: sample.time.to_interval().mid(),
+        outputs: &pairs(&estimate.outputs),
+        measured: &measured,
+        states: &pairs(&estimate.states),
+        params: &pairs(&estimate.params),
+        resets: &estimate.resets,
+        modes: &modes,
+        boxes: estimate.boxes as u64,
+        milliseconds: seconds * 1e3,
+    };
+    match history.push(&row) {
+        // Stamps that differ by less than a float can tell share a point of the time axis.
+        Ok(()) | Err(ReportError::TimeNotIncreasing { .. }) => Ok(()),
+        Err(error) => Err(undrawable(&error)),
     }
 }
 

@@ -12,8 +12,7 @@ use super::{
 use std::path::Path;
 use std::time::Instant;
 use veribound_data::{
-    FileInfo, ParameterSummary, Printed, Record, ResultFolder, Start, StateSummary, Summary,
-    TableSource, Work,
+    FileInfo, ParameterSummary, Record, Start, StateSummary, Summary, TableSource, Work,
 };
 use veribound_estimate::{Estimate, Observer, Refutation, Undecided, Verdict};
 use veribound_interval::{Decimal, Interval};
@@ -159,9 +158,10 @@ impl Prepared {
             start,
         } = self;
         let mut written = None;
+        let showing = &arguments.showing.output;
         if wants_files {
             let mut meta = figure_meta(&model, zoom(arguments), sample_time_ms(&record));
-            meta.page = page::is_wanted(&arguments.showing.output);
+            meta.page = page::is_wanted(showing);
             let other = arguments.showing.overlay.as_deref();
             let other = other
                 .map(|folder| overlay::read(folder, &model, &meta))
@@ -169,8 +169,7 @@ impl Prepared {
             let (other, overlay) = other.unzip();
             let earlier = run_info::Earlier { start, overlay };
             let info = run_info::of(arguments, (&model, &record), earlier, &said);
-            let folder = ResultFolder::create(&arguments.output)?
-                .with_parquet(arguments.showing.output.parquet);
+            let folder = showing.folder(&arguments.output)?;
             written = Some((Files::create(&model, folder, meta)?, other, info));
         }
         let mut take = |sample: &Sample, estimate: &Estimate, seconds: f64| {
@@ -191,20 +190,14 @@ impl Prepared {
             if let Some(refutation) = &found.refutation {
                 files.refuted_at(refutation);
             }
-            let page = if page::is_wanted(&arguments.showing.output) {
-                let material = page::Material {
-                    model: &model,
-                    info: &info,
-                    printed: &Printed::of(&json)?,
-                    assumed: &said,
-                };
-                let boxes = arguments.method.boxes;
-                Some(page::observation(&material, &record, &found, boxes)?)
-            } else {
-                None
-            };
+            let page = page::Material::page_if_wanted(
+                showing,
+                (&model, &info),
+                (&json, &said),
+                |material| page::observation(material, &record, &found, arguments.method.boxes),
+            )?;
             let end = found.last.as_ref().map_or(record.first(), |(time, _)| time);
-            let formats = arguments.showing.output.figures.as_slice();
+            let formats = showing.figures.as_slice();
             let drawn = (formats, other.as_ref());
             files.finish((end, &cells), &info, &json, (drawn, page))?;
         }

@@ -84,14 +84,8 @@ struct Change {
 
 /// Simulates, and gives the record its name when all of it is proved.
 pub fn run(arguments: &Simulate) -> Outcome {
-    refuse_formats(&arguments.figures)?;
-    let mut files = vec![("the model file", arguments.model.as_path())];
-    let profile = arguments.times.input.as_deref();
-    files.extend(profile.map(|path| ("the profile", path)));
-    overwriting::refuse_record(&arguments.output, &files)?;
-    if let Some(folder) = &arguments.trajectory {
-        overwriting::refuse_results(folder, &files, &[])?;
-    }
+    refuse_flags(arguments)?;
+    overwriting::refuse_record(&arguments.output, &what_is_read(arguments))?;
     let model = Model::from_file(&arguments.model)?;
     let source = arguments.times.input.as_ref().map(TableSource::from);
     let prepared = Prepared::new(arguments, &model, source)?;
@@ -103,12 +97,30 @@ pub fn run(arguments: &Simulate) -> Outcome {
     }
 }
 
+/// Refuses what no run could do, and a trajectory in the place of what the run reads.
+pub fn refuse_flags(arguments: &Simulate) -> Result<(), Diagnostic> {
+    refuse_formats(&arguments.figures)?;
+    match &arguments.trajectory {
+        Some(folder) => overwriting::refuse_results(folder, &what_is_read(arguments), &[]),
+        None => Ok(()),
+    }
+}
+
+fn what_is_read(arguments: &Simulate) -> Vec<(&'static str, &Path)> {
+    let profile = arguments.times.input.as_deref();
+    let profile = profile.map(|path| ("the profile", path));
+    [("the model file", arguments.model.as_path())]
+        .into_iter()
+        .chain(profile)
+        .collect()
+}
+
 /// Whether boxes grew too wide, and forms may do better. Records made by boxes alone stay what they are.
 pub fn asks_for_forms(problems: &Diagnostics) -> bool {
     problems.0.iter().any(|problem| problem.code == "E0609")
 }
 
-/// Writes the record, and the folder of the trajectory.
+/// Writes the record.
 fn write(
     arguments: &Simulate,
     prepared: &Prepared<'_>,
@@ -116,33 +128,22 @@ fn write(
     interrupt: &Interrupt,
 ) -> Outcome {
     let mut file = create(&arguments.output)?;
-    let mut trajectory = match &arguments.trajectory {
-        Some(folder) => Some(Trajectory::create(folder, prepared.model)?),
-        None => None,
-    };
     let bar = progress::of_parts(progress::PARTS, "simulated", false);
     let mut take = |text: &str| {
         let written = file.write_all(text.as_bytes());
         written.map_err(|error| file.refuse(&error))
     };
-    let mut each = |time: &Decimal, simulation: &Simulation, inputs: &[Interval]| {
-        let trajectory = trajectory.as_mut();
-        trajectory.map_or(Ok(()), |list| list.push(time, simulation, inputs))
-    };
     let go_on = |part| {
         bar.set_position(part);
         !interrupt.is_asked()
     };
-    let samples = prepared.carry_out(arguments, with_forms, (&mut take, &mut each), &go_on);
+    let samples = prepared.carry_out(arguments, with_forms, &mut take, &go_on);
     bar.finish_and_clear();
     let Some(samples) = samples? else {
         remark("interrupted: no record is written");
         return Ok(Ending::Interrupted);
     };
     file.finish()?.put_in_place()?;
-    if let Some(trajectory) = trajectory {
-        trajectory.finish(&arguments.figures)?;
-    }
     if arguments.json {
         say_json(&Simulated {
             record: arguments.output.display().to_string(),
@@ -171,12 +172,6 @@ pub struct Prepared<'m> {
     pub notes: Vec<String>,
 }
 
-/// Who is given the lines of a record.
-type Take<'a> = &'a mut dyn FnMut(&str) -> Result<(), Diagnostic>;
-
-/// Who is shown every sample: its time, where the simulation is, and the inputs from then on.
-type Each<'a> = &'a mut dyn FnMut(&Decimal, &Simulation, &[Interval]) -> Result<(), Diagnostic>;
-
 impl<'m> Prepared<'m> {
     /// Checks values and profile.
     pub fn new(
@@ -201,14 +196,14 @@ impl<'m> Prepared<'m> {
         })
     }
 
-    /// Gives the lines of the record to the first of the two, and shows every sample to the second, as long as `go_on`
-    /// says so, which is told how many parts of [`progress::PARTS`] are done; the number of samples, or nothing where
-    /// it was ended.
+    /// Gives the lines of the record to `take`, and writes the folder of the trajectory if it is wanted, as long as
+    /// `go_on` says so, which is told how many parts of [`progress::PARTS`] are done; the number of samples, or nothing
+    /// where it was ended.
     pub fn carry_out(
         &self,
         arguments: &Simulate,
         with_forms: bool,
-        (take, each): (Take<'_>, Each<'_>),
+        take: &mut dyn FnMut(&str) -> Result<(), Diagnostic>,
         go_on: &dyn Fn(u64) -> bool,
     ) -> Result<Option<usize>, Diagnostics> {
         let model = self.model;
@@ -218,6 +213,9 @@ impl<'m> Prepared<'m> {
         let mut draws = self.draws.clone();
         let mut noise = Noise::new(arguments.seed, arguments.decimals);
         let mut open = self.changes.iter().peekable();
+        let trajectory = arguments.trajectory.as_ref();
+        let trajectory = trajectory.map(|folder| Trajectory::create(folder, model));
+        let mut trajectory = trajectory.transpose()?;
         let mut text = header(arguments, model, draws.as_ref());
         let mut samples = 0;
         // Errors drawn last, each with its input and what was recorded.
@@ -266,7 +264,9 @@ impl<'m> Prepared<'m> {
                 arguments.error.as_ref(),
                 &mut noise,
             )?;
-            each(&time, &simulation, &inputs)?;
+            if let Some(trajectory) = &mut trajectory {
+                trajectory.push(&time, &simulation, &inputs)?;
+            }
             take(&text)?;
             text.clear();
             samples += 1;
@@ -277,6 +277,9 @@ impl<'m> Prepared<'m> {
             }
         }
         take(&text)?;
+        if let Some(trajectory) = trajectory {
+            trajectory.finish(&arguments.figures)?;
+        }
         Ok(Some(samples))
     }
 }

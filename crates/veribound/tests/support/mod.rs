@@ -51,6 +51,12 @@ impl Place {
         Ran::of(self.command(arguments).output().unwrap())
     }
 
+    /// Runs the program with these words, none of which holds a blank.
+    pub fn typed(&self, line: &str) -> Ran {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        self.run(&words)
+    }
+
     /// Runs `observe MODEL RECORD -o out` with more flags; no figures and no page, to be quick.
     pub fn observe(&self, model: &str, record: &str, more: &[&str]) -> Ran {
         let mut arguments = vec!["observe", model, record, "-o", "out"];

@@ -10,7 +10,7 @@ use super::arguments::Enclose;
 use super::ending::Ending;
 use super::interrupt::Interrupt;
 use super::message::{remark, say};
-use super::page::{Material, is_wanted};
+use super::page::Material;
 use super::profile::{Profile, Stretch};
 use super::{Outcome, engine, overwriting, progress, run_info};
 use diagnosis::{Cause, PastUse};
@@ -18,7 +18,7 @@ pub use files::{meta, mode_names, plane};
 use std::cell::Cell;
 use std::time::Instant;
 use trajectories::Drawn;
-use veribound_data::{EnclosureSummary, Printed, RecordInfo, ResultFolder, TableSource};
+use veribound_data::{EnclosureSummary, RecordInfo, TableSource};
 use veribound_flow::engine::{Engines, Task};
 use veribound_flow::form::{self, Effort, Enclosure, FormOptions, Standing};
 use veribound_interval::{Decimal, Interval};
@@ -177,9 +177,8 @@ impl Prepared {
             course,
             plane,
         } = self;
-        let folder = wants_files.then(|| ResultFolder::create(&arguments.output));
+        let folder = wants_files.then(|| arguments.showing.folder(&arguments.output));
         let folder = folder.transpose()?;
-        let folder = folder.map(|folder| folder.with_parquet(arguments.showing.parquet));
         let found = enclose(arguments, &model, &course, go_on)?;
         let mut times = course.times;
         times.truncate(found.rows);
@@ -187,17 +186,12 @@ impl Prepared {
         if let Some(folder) = folder {
             let json = summary.to_json()?;
             let info = run_info::of_enclosure(arguments, &model, course.profile, &said);
-            let page = if is_wanted(&arguments.showing) {
-                let material = Material {
-                    model: &model,
-                    info: &info,
-                    printed: &Printed::of(&json)?,
-                    assumed: &said,
-                };
-                Some(page::page(&material, &times, &found)?)
-            } else {
-                None
-            };
+            let page = Material::page_if_wanted(
+                &arguments.showing,
+                (&model, &info),
+                (&json, &said),
+                |material| page::page(material, &times, &found),
+            )?;
             files::write(
                 (&folder, &arguments.showing.figures, plane),
                 &model,

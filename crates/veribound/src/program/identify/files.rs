@@ -9,14 +9,14 @@ use veribound_interval::Interval;
 use veribound_model::Model;
 use veribound_model::diagnostic::Diagnostic;
 use veribound_report::{
-    Identification, Page, PavingTile, Plots, ProvedParameter, Quantity, TileStatus,
+    Course, Identification, Page, PavingTile, Plots, ProvedParameter, Quantity, TileStatus,
 };
 
 /// Writes all files of the run, and puts them in place together.
 pub fn write(
     (folder, formats): (&ResultFolder, &[Format]),
     (model, data, found): (&Model, &Data, &Findings),
-    (info, json, page): (&RunInfo, &str, Option<Page>),
+    (info, json, page, courses): (&RunInfo, &str, Option<Page>, &[Course]),
 ) -> Result<(), Diagnostic> {
     let mut files = vec![points(folder, model, found)?, info.write(folder)?];
     if !found.identified.tiles.is_empty() {
@@ -25,7 +25,7 @@ pub fn write(
     let figures = figures(model, found);
     files.extend(write_figures(folder, formats, || figures.render_all())?);
     if let Some(mut page) = page {
-        page.plots = Plots::of_identification(&figures);
+        page.plots = Plots::of_identification(&figures, courses);
         files.push(folder.write("report.html", page.render().as_bytes())?);
     }
     files.push(folder.write("summary.json", json.as_bytes())?);
@@ -168,7 +168,7 @@ mod tests {
         let folder = ResultFolder::create(&out).unwrap();
         let formats = [Format::Svg];
         let info = info();
-        let run = (&info, "{}", None);
+        let run = (&info, "{}", None, &[][..]);
         write((&folder, &formats), (&model, &data, &found), run).unwrap();
         let files = [
             "fig",
@@ -197,7 +197,7 @@ mod tests {
         );
         // Without a paving nothing of an earlier one is left.
         found.identified.tiles.clear();
-        let run = (&info, "{}", None);
+        let run = (&info, "{}", None, &[][..]);
         write((&folder, &formats), (&model, &data, &found), run).unwrap();
         assert_eq!(
             names(&out),

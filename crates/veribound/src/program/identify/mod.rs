@@ -2,6 +2,7 @@
 
 pub mod arguments;
 mod checkpoint;
+mod course;
 pub mod files;
 mod page;
 pub mod told;
@@ -12,13 +13,13 @@ use super::ending::Ending;
 use super::interrupt::Interrupt;
 use super::message::say;
 use super::numbers::show_times;
-use super::page::{Material, is_wanted};
+use super::page::Material;
 use super::{Outcome, assumptions, overwriting, progress, reading, run_info};
 use arguments::Identify;
 use checkpoint::Checkpoint;
 use indicatif::ProgressBar;
 use std::time::Instant;
-use veribound_data::{Printed, Record, ResultFolder, TableSource};
+use veribound_data::{Record, TableSource};
 use veribound_estimate::identify::{
     Bounds, Checkpoints, Conclusion, Identified, LeastError, Progress, Unreadable,
     least_disturbance, least_error, resume,
@@ -133,9 +134,8 @@ impl Prepared {
         go_on: &(dyn Fn(&Progress) -> bool + Sync),
     ) -> Result<Done, Diagnostics> {
         let Prepared { model, data, said } = self;
-        let folder = wants_files.then(|| ResultFolder::create(&arguments.output));
+        let folder = wants_files.then(|| arguments.showing.folder(&arguments.output));
         let folder = folder.transpose()?;
-        let folder = folder.map(|folder| folder.with_parquet(arguments.showing.parquet));
         let checkpoint = folder
             .as_ref()
             .map(|folder| Checkpoint::new(folder, arguments, &model, &data));
@@ -143,21 +143,23 @@ impl Prepared {
         let json = told::summary(&model, &data, &found, said.clone()).to_json()?;
         if let Some(folder) = &folder {
             let info = run_info::of_identification(arguments, (&model, &data.records), &said);
-            let page = if is_wanted(&arguments.showing) {
-                let material = Material {
-                    model: &model,
-                    info: &info,
-                    printed: &Printed::of(&json)?,
-                    assumed: &said,
-                };
-                Some(page::page(&material, &data, &found)?)
-            } else {
-                None
+            let page = Material::page_if_wanted(
+                &arguments.showing,
+                (&model, &info),
+                (&json, &said),
+                |material| page::page(material, &data, &found),
+            )?;
+            let courses = match &page {
+                Some(_) => {
+                    let standing = found.standing(&model);
+                    course::all(&model, &data, &found, &|| go_on(&standing))?
+                }
+                None => Vec::new(),
             };
             files::write(
                 (folder, &arguments.showing.figures),
                 (&model, &data, &found),
-                (&info, &json, page),
+                (&info, &json, page, &courses),
             )?;
         }
         // A run that was interrupted can go on.
@@ -230,6 +232,21 @@ impl Findings {
     pub fn params(&self, model: &Model) -> Vec<Bounds> {
         let priors = model.params.iter().map(|param| param.bounds);
         or_prior(&self.identified.params, priors)
+    }
+
+    /// Where the run stands at its end.
+    fn standing(&self, model: &Model) -> Progress {
+        let bounds = self.params(model);
+        let shares = model.params.iter().zip(&bounds);
+        let shares = shares.filter(|(param, _)| !param.bounds.is_point());
+        Progress {
+            sets: self.identified.sets,
+            waiting: 0,
+            left: shares
+                .map(|(param, both)| both.outer.width() / param.bounds.width())
+                .product(),
+            tightness: bounds.iter().map(Bounds::tightness).fold(1.0, f64::max),
+        }
     }
 
     /// Bounds of the states at the first sample of a record.

@@ -2,7 +2,7 @@
 
 use super::super::ending::Ending;
 use super::super::message::list;
-use super::super::numbers::{counted, show_times, shrink};
+use super::super::numbers::{counted, show_time, show_times, shrink};
 use super::super::page::{Material, head};
 use super::super::verdict::NOTHING_EXPLAINS;
 use super::told::{DISTURBED, MEASURED, least_in_words};
@@ -49,6 +49,7 @@ pub fn page(material: &Material<'_>, data: &Data, found: &Findings) -> Result<Pa
     }
     if !matches!(identified.conclusion, Conclusion::Inconsistent(_)) {
         page.before.push(parameters(material, found));
+        page.before.extend(resets(material, data, found));
         page.before.push(starts(material, data, found));
     }
     let mut facts: Vec<(&str, &[&str])> = vec![
@@ -137,6 +138,46 @@ fn parameters(material: &Material<'_>, found: &Findings) -> Section {
             rows: rows.collect(),
         })],
     }
+}
+
+/// The values of parameters between resets, if there are any.
+fn resets(material: &Material<'_>, data: &Data, found: &Findings) -> Option<Section> {
+    let all = found.identified.resets.iter().enumerate();
+    let all = all.flat_map(|(record, values)| values.iter().map(move |value| (record, value)));
+    // They stand in the summary in this order.
+    let rows = all.enumerate().filter_map(|(at, (record, value))| {
+        let param = material.model.params.get(value.param)?;
+        let (from, until) = (show_time(&value.from), show_time(&value.until));
+        let mut when = format!("from {from} s to {until} s");
+        if data.records.len() > 1 {
+            when.push_str(&format!(" in {}", data.name(record)));
+        }
+        let mut row = vec![
+            Entry::Text(param.name.clone()),
+            Entry::Text(param.unit.clone()),
+            Entry::Text(when),
+        ];
+        let place: &[&str] = &["resets", &at.to_string()];
+        row.extend(both_sides(material, place, &value.bounds, param.bounds));
+        Some(row)
+    });
+    let rows: Vec<_> = rows.collect();
+    let titles = [
+        "parameter",
+        "unit",
+        "after a reset",
+        "outer bounds",
+        "inner bounds",
+        "",
+        "too wide at most",
+    ];
+    (!rows.is_empty()).then(|| Section {
+        title: "Values after resets".to_owned(),
+        blocks: vec![Block::Table(Table {
+            head: head(&titles),
+            rows,
+        })],
+    })
 }
 
 fn starts(material: &Material<'_>, data: &Data, found: &Findings) -> Section {

@@ -31,6 +31,26 @@ pub fn is_wanted(showing: &Shown) -> bool {
 }
 
 impl<'r> Material<'r> {
+    /// The page that `make` makes of the run, if one was asked for; `json` is the summary.
+    pub fn page_if_wanted(
+        showing: &Shown,
+        (model, info): (&'r Model, &'r RunInfo),
+        (json, assumed): (&str, &'r [String]),
+        make: impl FnOnce(&Material<'_>) -> Result<Page, Diagnostic>,
+    ) -> Result<Option<Page>, Diagnostic> {
+        if !is_wanted(showing) {
+            return Ok(None);
+        }
+        let printed = &Printed::of(json)?;
+        make(&Material {
+            model,
+            info,
+            printed,
+            assumed,
+        })
+        .map(Some)
+    }
+
     /// A page with what all pages have; verdict and tables are still to come.
     ///
     /// *Errors*: `E0503` when an option has no form in TOML.
