@@ -1,16 +1,16 @@
 //! Identification: the parameters that whole records leave, proved from both sides.
 
 mod answer;
-mod cell;
+pub(crate) mod cell;
 mod eigen;
 mod gross;
-mod pass;
+pub(crate) mod pass;
 mod pave;
-mod problem;
-mod region;
-mod rows;
+pub(crate) mod problem;
+pub(crate) mod region;
+pub(crate) mod rows;
 mod search;
-mod simplex;
+pub(crate) mod simplex;
 
 pub use answer::{
     AfterReset, Bounds, Checkpoints, Conclusion, Identified, IdentifyOptions, LeastError, Limit,

@@ -255,7 +255,8 @@ impl Problem {
         problem
     }
 
-    fn new(model: &Model) -> Problem {
+    /// A model without records.
+    pub(crate) fn new(model: &Model) -> Problem {
         let outputs = model.outputs.iter().map(|output| output.expr);
         let zeros = model.signals.iter().flat_map(|signal| &signal.proves_zero);
         let told: Vec<Var> = outputs

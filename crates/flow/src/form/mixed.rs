@@ -94,6 +94,7 @@ impl Journey<'_> {
         form.signs = ended.map_or(Vec::new(), |field| field.signs());
         form.settle()?;
         self.earlier.clear();
+        self.is_boxed = true;
         self.form = form;
         self.left = if last {
             Interval::ZERO
