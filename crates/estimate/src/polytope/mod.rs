@@ -29,6 +29,9 @@ use veribound_model::{Model, Sample};
 /// A set is moved through the samples anew when less than this share of an axis is left.
 const WORTHWHILE: f64 = 0.7;
 
+/// Where a set could not be moved at all, the next one begins so many samples later.
+const PAUSE: u64 = 16;
+
 /// So often it is asked whether that is so, in samples.
 const ASKS: u64 = 16;
 
@@ -49,6 +52,8 @@ pub(crate) struct Polytope {
     chaser: Option<Runner>,
     /// What was known of parameters when the last one began at the oldest sample.
     begun: Vec<Interval>,
+    /// No set begins anew before this sample, unless more is known.
+    pause: u64,
 }
 
 /// What is left after a sample.
@@ -94,6 +99,7 @@ impl Polytope {
             past: Past::default(),
             known: problem.prior.clone(),
             begun: vec![Interval::ENTIRE; problem.prior.len()],
+            pause: 0,
             live: None,
             chaser: None,
             problem,
@@ -201,12 +207,20 @@ impl Polytope {
             return Ok((Some(runner), states));
         }
         // A narrower set goes farther; else another one goes on.
-        let next = if runner.left() < WORTHWHILE {
-            None
-        } else {
-            runner.anchored().filter(|(at, _)| *at >= self.past.first())
+        let oldest = self.past.first();
+        let again = Some(runner.smaller()).filter(|(_, turned)| {
+            runner.base >= oldest && (*turned || runner.left() < WORTHWHILE)
+        });
+        let next = match again {
+            Some((region, _)) => Some(Runner::new(&self.problem, &region, runner.base)),
+            None => {
+                let next = runner.anchored().filter(|(at, _)| *at >= oldest);
+                next.and_then(|(sample, states)| self.window(sample, Some(&states)))
+            }
         };
-        let next = next.and_then(|(sample, states)| self.window(sample, Some(&states)));
+        if next.is_none() && runner.at == runner.base {
+            self.pause = self.past.newest() + PAUSE;
+        }
         Ok((next, states))
     }
 
@@ -241,6 +255,8 @@ impl Polytope {
         if runner.is_some() {
             self.begun.clone_from(&self.known);
             self.chaser = runner;
+        } else if self.live.is_none() && self.past.newest() >= self.pause {
+            self.live = self.window(self.past.newest(), None);
         }
     }
 

@@ -20,6 +20,9 @@ use veribound_interval::round::{sub_down, sub_up};
 /// A crossing that takes longer than so many samples is left to boxes.
 pub(super) const PATIENCE: usize = 16;
 
+/// Boxes go on for so many moments at most, of one journey.
+const MOMENTS: usize = 8;
+
 /// Steps of the form at most, for every sample that the budget allows.
 const STEPS: usize = 8;
 
@@ -85,6 +88,7 @@ impl Runner {
         let (set, _) = region.rows_of(&all);
         let options = FormOptions {
             degree: Some(2),
+            moments: MOMENTS,
             ..FormOptions::default()
         };
         let form = problem.flow.start_in(&set, options);

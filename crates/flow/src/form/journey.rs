@@ -191,8 +191,8 @@ pub(super) struct Journey<'a> {
     pub(super) parts: Vec<Portion>,
     /// Solutions that may creep away from where they stand.
     pub(super) creep: Option<Creep>,
-    /// Whether boxes moved it for a moment.
-    pub(super) is_boxed: bool,
+    /// For how many moments boxes moved it.
+    pub(super) moments: usize,
     begin: Interval,
     before: Vec<Interval>,
 }
@@ -226,7 +226,7 @@ impl<'a> Journey<'a> {
             certain: None,
             workspace: None,
             moment: f64::INFINITY,
-            is_boxed: false,
+            moments: 0,
         };
         journey.enter(0);
         journey
@@ -367,7 +367,7 @@ impl<'a> Journey<'a> {
                 form: &mut self.form,
                 is_passing: false,
                 arriving: None,
-                is_boxed: self.is_boxed,
+                is_boxed: self.moments > 0,
             });
         }
     }
@@ -381,7 +381,7 @@ impl<'a> Journey<'a> {
                     form: &mut form,
                     is_passing: true,
                     arriving,
-                    is_boxed: self.is_boxed,
+                    is_boxed: self.moments > 0,
                 });
             }
         }

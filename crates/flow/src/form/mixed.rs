@@ -37,6 +37,10 @@ impl Journey<'_> {
         hint: Option<(Acting, f64)>,
         why: Obstacle,
     ) -> Result<(), Obstacle> {
+        if self.moments >= self.form.options.moments {
+            return Err(why);
+        }
+        self.moments += 1;
         let (flow, inputs) = (self.flow, self.inputs());
         let workspace = self.workspace.take();
         let mut workspace =
@@ -94,7 +98,6 @@ impl Journey<'_> {
         form.signs = ended.map_or(Vec::new(), |field| field.signs());
         form.settle()?;
         self.earlier.clear();
-        self.is_boxed = true;
         self.form = form;
         self.left = if last {
             Interval::ZERO

@@ -34,6 +34,8 @@ pub struct FormOptions {
     pub steepest: f64,
     /// Right-hand sides that are affine in the states move forms by their closed form.
     pub closed: bool,
+    /// For how many moments boxes may go on, of one journey, where no crossing is proved; then the form ends there.
+    pub moments: usize,
 }
 
 impl Default for FormOptions {
@@ -47,6 +49,7 @@ impl Default for FormOptions {
             share: 1e-7,
             steepest: 0.7,
             closed: false,
+            moments: usize::MAX,
         }
     }
 }
@@ -315,7 +318,7 @@ impl Form {
     }
 
     /// Products of coefficients in one multiplication of polynomials.
-    pub(crate) fn cost(&self) -> f64 {
+    pub fn cost(&self) -> f64 {
         let orders = (self.order + 1) as f64;
         0.5 * self.monomials.products() as f64 * orders * (orders + 1.0)
     }
