@@ -11,8 +11,7 @@
 mod common;
 
 use common::{RigText, Rng, number, read, rig_step};
-use veribound_estimate::identify::{IdentifyOptions, identify};
-use veribound_estimate::{Contradiction, Method, Observer, ObserverOptions, Verdict};
+use veribound_estimate::{Method, Observer, ObserverOptions, Verdict};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{Model, Sample};
 
@@ -140,10 +139,24 @@ fn tanks(rng: &mut Rng, count: usize) -> Record {
     }
 }
 
+/// Few boxes, so that the strips matter.
 fn options() -> ObserverOptions {
     ObserverOptions {
         method: Method::Polytope,
+        boxes: 20,
+        bisections: 10,
         ..ObserverOptions::default()
+    }
+}
+
+fn random_options(rng: &mut Rng) -> ObserverOptions {
+    ObserverOptions {
+        boxes: 1 + rng.below(20),
+        bisections: rng.below(10),
+        rows: rng.pick(&[1, 8, 64]),
+        replay: rng.pick(&[1, 3, 8]),
+        history: rng.pick(&[2, 40, 20_000]),
+        ..options()
     }
 }
 
@@ -172,16 +185,35 @@ fn observe(record: &Record, options: &ObserverOptions, story: &str) -> Vec<Inter
     left
 }
 
-/// Width, as a product over the parameters.
-fn volume(bounds: &[Interval]) -> f64 {
-    bounds.iter().map(|x| x.width()).product()
+fn rounds(usual: u64) -> u64 {
+    number("VERIBOUND_ROUNDS", 1) * usual
 }
 
 #[test]
-fn timing() {
-    let mut rng = Rng(5);
-    let record = tanks(&mut rng, 200);
-    let begun = std::time::Instant::now();
-    let left = observe(&record, &options(), "tanks");
-    println!("{left:?} {:?}", begun.elapsed());
+fn the_truth_of_motors_is_never_lost() {
+    for round in 0..rounds(10) {
+        let mut rng = Rng(number("VERIBOUND_SEED", 1) * 1_000_003 + round);
+        let tells_rest = rng.chance(0.5);
+        let record = motor(&mut rng, 300, tells_rest);
+        let options = random_options(&mut rng);
+        observe(
+            &record,
+            &options,
+            &format!("motor, round {round}, {options:?}"),
+        );
+    }
+}
+
+#[test]
+fn the_truth_of_tanks_is_never_lost() {
+    for round in 0..rounds(3) {
+        let mut rng = Rng(number("VERIBOUND_SEED", 1) * 7_000_003 + round);
+        let record = tanks(&mut rng, 100);
+        let options = random_options(&mut rng);
+        observe(
+            &record,
+            &options,
+            &format!("tanks, round {round}, {options:?}"),
+        );
+    }
 }

@@ -92,7 +92,7 @@ class Observer:
     """Follows a machine sample by sample; one `step` for each.
 
     Guarantee and options are those of `veribound.observe`; memory does not grow, and the time for a sample is bounded
-    by the number of boxes.
+    by the number of boxes, and with ``method="polytope"`` by `rows` and `replay`.
 
     >>> import veribound as vb
     >>> model = vb.Model.from_toml('''
@@ -132,6 +132,10 @@ class Observer:
         order: Optional[int] = None,
         halvings: Optional[int] = None,
         longest_step: Optional[float] = None,
+        method: Optional[str] = None,
+        rows: Optional[int] = None,
+        replay: Optional[int] = None,
+        history: Optional[int] = None,
         exact: bool = False,
     ) -> None:
         self.model = _runs._model(model)
@@ -152,6 +156,10 @@ class Observer:
             "order": order,
             "halvings": halvings,
             "longest_step": longest_step,
+            "method": method,
+            "rows": rows,
+            "replay": replay,
+            "history": history,
         }
         words = ["observe", _runs._name(self.model), "stream", "-o", "nowhere", *_words.words(options)]
         self._stepper = _veribound.Stepper(self.model._model, words, exact)

@@ -74,6 +74,10 @@ def observe(
     order: Optional[int] = None,
     halvings: Optional[int] = None,
     longest_step: Optional[float] = None,
+    method: Optional[str] = None,
+    rows: Optional[int] = None,
+    replay: Optional[int] = None,
+    history: Optional[int] = None,
     output: Any = None,
     figures: Any = None,
     report: Optional[str] = None,
@@ -104,6 +108,8 @@ def observe(
     boxes, bisections, every, epsilon, velocity_horizon, windows, trisect, parameter_rule, merge_across_modes,
     order, halvings, longest_step : how the observer works; no option changes what is proved. They are those of the
         program, ``veribound observe --help``.
+    method : ``"boxes"`` or ``"polytope"``: what all samples say together is kept, too, which narrows parameters much more;
+        `rows`, `replay` and `history` bound its work and memory.
     output : folder for the files that the program writes, with the page `report.html`; `figures`, `report`, `parquet`,
         `zoom` and `overlay` are about these.
     exact : a float of a frame stands for the number that it holds, digit for digit. By default it stands for its
@@ -139,6 +145,10 @@ def observe(
         "order": order,
         "halvings": halvings,
         "longest_step": longest_step,
+        "method": method,
+        "rows": rows,
+        "replay": replay,
+        "history": history,
         "figures": figures,
         "report": report,
         "parquet": parquet,

@@ -123,7 +123,11 @@ impl Polytope {
             match chaser {
                 Some(chaser) if chaser.at == self.past.newest() => {
                     states = both(states, here);
-                    if self.live.as_ref().is_none_or(|live| is_better(&chaser, live)) {
+                    if self
+                        .live
+                        .as_ref()
+                        .is_none_or(|live| is_better(&chaser, live))
+                    {
                         self.live = Some(chaser);
                     }
                 }
@@ -195,7 +199,6 @@ impl Polytope {
     }
 
     /// One runner through some samples; what goes on, and states at the newest sample.
-    #[expect(clippy::type_complexity, reason = "a pair of what may not be there")]
     fn go(
         &mut self,
         mut runner: Runner,
@@ -208,9 +211,8 @@ impl Polytope {
         }
         // A narrower set goes farther; else another one goes on.
         let oldest = self.past.first();
-        let again = Some(runner.smaller()).filter(|(_, turned)| {
-            runner.base >= oldest && (*turned || runner.left() < WORTHWHILE)
-        });
+        let again = Some(runner.smaller())
+            .filter(|(_, turned)| runner.base >= oldest && (*turned || runner.left() < WORTHWHILE));
         let next = match again {
             Some((region, _)) => Some(Runner::new(&self.problem, &region, runner.base)),
             None => {
@@ -287,7 +289,10 @@ impl Polytope {
 fn is_better(own: &Runner, other: &Runner) -> bool {
     let pairs = own.params().iter().zip(other.params());
     let shares = pairs.filter(|(_, other)| other.width() > 0.0);
-    shares.map(|(own, other)| own.width() / other.width()).product::<f64>() < 1.0
+    shares
+        .map(|(own, other)| own.width() / other.width())
+        .product::<f64>()
+        < 1.0
 }
 
 /// What two enclosures of the same states leave.

@@ -79,7 +79,10 @@ impl Past {
     /// The stretches from a sample on, so many at most.
     pub(super) fn stretches(&self, from: u64, most: usize) -> Vec<Stretch> {
         let begin = self.place(from);
-        let later = self.moments.range(begin..).zip(self.moments.range(begin + 1..));
+        let later = self
+            .moments
+            .range(begin..)
+            .zip(self.moments.range(begin + 1..));
         let stretches = later.take(most).map(|(moment, next)| Stretch {
             inputs: moment.inputs.clone(),
             dt: next.dt,

@@ -17,14 +17,14 @@ use veribound_flow::form::{Form, FormOptions, Meeting, Stretch, Strip};
 use veribound_interval::Interval;
 use veribound_interval::round::{sub_down, sub_up};
 
-/// A crossing that takes longer than so many samples is left to boxes.
+/// A crossing that is not proved within so many samples ends a set.
 pub(super) const PATIENCE: usize = 16;
 
-/// Boxes go on for so many moments at most, of one journey.
-const MOMENTS: usize = 8;
+/// Steps of one journey cost about so many products of coefficients: no further sample is met when that is spent,
+const COST: f64 = 3e5;
 
-/// Steps of the form at most, for every sample that the budget allows.
-const STEPS: usize = 8;
+/// and the journey ends after so many times that.
+const MOST: f64 = 4.0;
 
 /// What a vertex may violate, as share of a row's size, before bounds are asked for anew.
 const TOLERANCE: f64 = 1e-9;
@@ -50,6 +50,8 @@ pub(super) struct Runner {
     anchor: Option<(u64, Vec<Affine>)>,
     /// So many samples in a row told little.
     hidden: usize,
+    /// Where it stands, it is moved again when this sample is known.
+    again: u64,
 }
 
 /// What stands in the way of a sample: no solution of the set agrees with it.
@@ -88,7 +90,7 @@ impl Runner {
         let (set, _) = region.rows_of(&all);
         let options = FormOptions {
             degree: Some(2),
-            moments: MOMENTS,
+            boxes: false,
             ..FormOptions::default()
         };
         let form = problem.flow.start_in(&set, options);
@@ -112,6 +114,7 @@ impl Runner {
             asked: 0,
             anchor: None,
             hidden: 0,
+            again: 0,
         }
     }
 
@@ -155,7 +158,7 @@ impl Runner {
     ) -> Result<(Fate, Option<Vec<Interval>>), Clash> {
         let newest = past.newest();
         let stretches = past.stretches(self.at, most + PATIENCE);
-        if stretches.is_empty() && self.at > self.base {
+        if (stretches.is_empty() && self.at > self.base) || newest < self.again {
             return Ok((Fate::Alive, None));
         }
         let (found, here) = self.follow(problem, past, &stretches, most)?;
@@ -177,6 +180,9 @@ impl Runner {
         self.tighten(problem, past, budget)?;
         // One that stands waits for more samples, as long as they may help.
         let waits = self.at + PATIENCE as u64 > newest;
+        if !has_moved {
+            self.again = newest + (newest - self.at).min(PATIENCE as u64);
+        }
         let fate = if self.hidden > HIDDEN || !(has_moved || waits) {
             Fate::Ended
         } else {
@@ -195,7 +201,7 @@ impl Runner {
     ) -> Result<(Found, Option<Vec<Strip>>), Clash> {
         let (begin, newest) = (self.at, past.newest());
         let is_first = begin == self.base && self.asked == 0;
-        let (over, steps) = (Shared::new(false), Shared::new(0));
+        let (over, spent) = (Shared::new(false), Shared::new(0.0));
         let form = self.form.clone();
         let mut found = Found {
             form: self.form.clone(),
@@ -210,7 +216,7 @@ impl Runner {
             if clash.is_some() || over.get() || (sample == begin && !is_first) {
                 return;
             }
-            let (is_passing, is_boxed) = (meeting.is_passing, meeting.is_boxed);
+            let is_passing = meeting.is_passing;
             let told = self.meet(problem, past, meeting, sample);
             let (form, sight) = match told {
                 Ok(met) => met,
@@ -223,8 +229,7 @@ impl Runner {
             if sample == newest {
                 here = Some(form.strips());
             }
-            let may_wait = is_boxed && sample + PATIENCE as u64 > newest;
-            if is_passing || may_wait {
+            if is_passing {
                 return;
             }
             match sight {
@@ -242,12 +247,11 @@ impl Runner {
             found.form = form.clone();
             found.at = sample;
             found.rows = self.rows.len();
-            over.set(sample >= begin + most as u64);
+            over.set(sample >= begin + most as u64 || spent.get() >= COST);
         };
-        let allowed = STEPS * (most + 1);
-        let go_on = |_: &Form| {
-            steps.set(steps.get() + 1);
-            !over.get() && steps.get() <= allowed
+        let go_on = |form: &Form| {
+            spent.set(spent.get() + form.cost());
+            !over.get() && spent.get() <= MOST * COST.max(form.cost())
         };
         // On failure what was met stays.
         let _ = problem.flow.follow(form, stretches, meet, &go_on);
@@ -351,8 +355,11 @@ impl Runner {
 
     /// Whether a row that is new cuts off where a quantity was least or largest.
     fn is_cut(&self) -> bool {
-        (self.asked..self.rows.len())
-            .any(|row| self.vertices.iter().any(|at| self.slack(row, at) < -TOLERANCE))
+        (self.asked..self.rows.len()).any(|row| {
+            self.vertices
+                .iter()
+                .any(|at| self.slack(row, at) < -TOLERANCE)
+        })
     }
 
     /// About how far a point is from the nearer end of a row, as share of the row's size; negative outside.
@@ -409,7 +416,10 @@ impl Runner {
         let mut order: Vec<usize> = (0..slacks.len()).collect();
         order.sort_by(|a, b| slacks[*a].total_cmp(&slacks[*b]).then(b.cmp(a)));
         let mut is_kept = vec![false; slacks.len()];
-        order.iter().take(budget).for_each(|row| is_kept[*row] = true);
+        order
+            .iter()
+            .take(budget)
+            .for_each(|row| is_kept[*row] = true);
         self.rows.retain(|_, row| is_kept[row]);
     }
 
@@ -427,7 +437,9 @@ impl Runner {
         let (whole, before) = (vec![Interval::symmetric(1.0); unknowns], before(row));
         let bounds = Program::new(&before, &whole, Side::Outer).bounds(self.rows.slopes(row));
         let (sample, quantity) = self.rows.origin(row);
-        let told = past.told(sample as u64, quantity).unwrap_or(Interval::ENTIRE);
+        let told = past
+            .told(sample as u64, quantity)
+            .unwrap_or(Interval::ENTIRE);
         // The row says that `bounds + rest` meets what is told, or is beyond it.
         let outer = self.rows.outer(row);
         let lo = if outer.hi().is_finite() {

@@ -126,9 +126,6 @@ pub struct Meeting<'a> {
     pub is_passing: bool,
     /// The state that is captured by that surface, if one is.
     pub arriving: Option<Arriving>,
-    /// Whether boxes moved it for a moment on its way here, for want of a crossing that is proved: one may be longer than
-    /// the stretches that were given.
-    pub is_boxed: bool,
 }
 
 /// A state on its way to a level that captures it, each solution at a time of its own.
@@ -191,8 +188,6 @@ pub(super) struct Journey<'a> {
     pub(super) parts: Vec<Portion>,
     /// Solutions that may creep away from where they stand.
     pub(super) creep: Option<Creep>,
-    /// For how many moments boxes moved it.
-    pub(super) moments: usize,
     begin: Interval,
     before: Vec<Interval>,
 }
@@ -226,7 +221,6 @@ impl<'a> Journey<'a> {
             certain: None,
             workspace: None,
             moment: f64::INFINITY,
-            moments: 0,
         };
         journey.enter(0);
         journey
@@ -367,7 +361,6 @@ impl<'a> Journey<'a> {
                 form: &mut self.form,
                 is_passing: false,
                 arriving: None,
-                is_boxed: self.moments > 0,
             });
         }
     }
@@ -381,7 +374,6 @@ impl<'a> Journey<'a> {
                     form: &mut form,
                     is_passing: true,
                     arriving,
-                    is_boxed: self.moments > 0,
                 });
             }
         }
