@@ -9,11 +9,12 @@ mod measure;
 mod merge;
 mod observer;
 mod options;
+mod polytope;
 mod signals;
 mod split;
 mod verdict;
 
 pub use cell::Cell;
 pub use observer::{Misuse, Observer};
-pub use options::{ObserverOptions, ParameterRule};
+pub use options::{Method, ObserverOptions, ParameterRule};
 pub use verdict::{Contradiction, Estimate, Refutation, Undecided, Verdict};

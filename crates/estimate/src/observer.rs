@@ -11,7 +11,8 @@ use crate::engine::{Follower, Kept};
 use crate::history::Windows;
 use crate::measure::Measurements;
 use crate::merge::merge;
-use crate::options::ObserverOptions;
+use crate::options::{Method, ObserverOptions};
+use crate::polytope::{Boxes, Polytope, Refuted};
 use crate::signals::Signals;
 use crate::split::Splitter;
 use crate::verdict::{Contradiction, Estimate, Refutation, Undecided, Verdict};
@@ -69,6 +70,7 @@ pub struct Observer {
     system: System,
     workspace: Workspace,
     follower: Option<Follower>,
+    polytope: Option<Polytope>,
     splitter: Splitter,
     measurements: Measurements,
     /// Outputs that may have outliers.
@@ -156,6 +158,7 @@ impl Observer {
         Observer {
             workspace: Workspace::new(&system, options.step),
             follower: Follower::new(model, options.engine),
+            polytope: (options.method == Method::Polytope).then(|| Polytope::new(model, &options)),
             splitter: Splitter::new(model),
             measurements: Measurements::new(model, layout),
             doubtful,
@@ -252,6 +255,7 @@ impl Observer {
         self.signals.note(sample);
         let resets = self.reset(sample);
         let before = held.as_ref().map(|(_, inputs)| inputs.as_slice());
+        let before_time = held.as_ref().map(|(time, _)| time);
         if let Err((reason, cell)) = self.jump(sample, before, &resets) {
             return Ok(self.undecided((position, sample), reason, cell));
         }
@@ -262,6 +266,16 @@ impl Observer {
                 line: sample.line,
                 time: sample.time.clone(),
                 contradiction,
+            }));
+        }
+        let dt = before_time.map_or(Interval::ZERO, |time| (&sample.time - time).to_interval());
+        if let Err(refuted) = self.gather((position, dt), sample, &resets) {
+            self.finished = true;
+            return Ok(Verdict::Inconsistent(Refutation {
+                sample: refuted.sample,
+                line: refuted.line,
+                time: refuted.time,
+                contradiction: refuted.contradiction,
             }));
         }
         if position == 0 {
@@ -546,6 +560,74 @@ impl Observer {
         self.cells = kept.map(|(cell, _)| cell).collect();
         match nearest {
             Some(contradiction) if self.cells.is_empty() => Err(contradiction),
+            _ => Ok(()),
+        }
+    }
+
+    /// What all samples say together: cuts the boxes with what is left.
+    fn gather(
+        &mut self,
+        (position, dt): (u64, Interval),
+        sample: &Sample,
+        resets: &[bool],
+    ) -> Result<(), Refuted> {
+        let Some(polytope) = &mut self.polytope else {
+            return Ok(());
+        };
+        let mut hull = self.cells.iter();
+        let first = hull.next().map_or(Vec::new(), |cell| cell.z.clone());
+        let mut states = hull.fold(first, |mut hull, cell| {
+            hull.iter_mut()
+                .zip(&cell.z)
+                .for_each(|(all, x)| *all = all.hull(*x));
+            hull
+        });
+        let params = states.split_off(self.system.layout().states);
+        let signals = &self.signals;
+        let boxes = Boxes {
+            position,
+            dt,
+            proves: &|signal| signals.proves(signal, &sample.time),
+            resets,
+            states,
+            params,
+        };
+        let hull = boxes.states.len();
+        let left = polytope.take(sample, boxes)?;
+        let states = left.states.unwrap_or(vec![Interval::ENTIRE; hull]);
+        let all: Vec<Interval> = states.into_iter().chain(left.params).collect();
+        let mut nearest: Option<Contradiction> = None;
+        self.cells.retain_mut(|cell| {
+            let mut apart = None;
+            for (quantity, (x, allowed)) in cell.z.iter_mut().zip(&all).enumerate() {
+                let (enclosure, allowed) = (*x, *allowed);
+                *x = x.intersect(allowed);
+                if x.is_empty() {
+                    apart = apart.or(Some(Contradiction::Apart {
+                        quantity,
+                        enclosure,
+                        allowed,
+                    }));
+                }
+            }
+            let is_left = apart.is_none();
+            let is_nearer = |apart: &Contradiction| {
+                nearest
+                    .as_ref()
+                    .is_none_or(|known| apart.is_nearer_than(known))
+            };
+            if let Some(apart) = apart.filter(is_nearer) {
+                nearest = Some(apart);
+            }
+            is_left
+        });
+        match nearest {
+            Some(contradiction) if self.cells.is_empty() => Err(Refuted {
+                sample: position,
+                line: sample.line,
+                time: sample.time.clone(),
+                contradiction,
+            }),
             _ => Ok(()),
         }
     }

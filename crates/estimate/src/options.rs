@@ -25,6 +25,24 @@ pub enum ParameterRule {
     WidestInfluence,
 }
 
+/// How the observer keeps what samples say.
+///
+/// ```
+/// use veribound_estimate::{Method, ObserverOptions};
+///
+/// assert_eq!(ObserverOptions::default().method, Method::Boxes);
+/// ```
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Method {
+    /// A list of boxes alone.
+    #[default]
+    Boxes,
+    /// Boxes, and beside them what all samples say together: strips in a bounded number of rows, over a form that is moved
+    /// through earlier samples again when much less of the parameters is left, with a fixed budget of work for every
+    /// sample.
+    Polytope,
+}
+
 /// Settings of the observer over a list of boxes. None of them changes what is proved; they change
 /// how tight the bounds are and what they cost.
 ///
@@ -64,6 +82,14 @@ pub struct ObserverOptions {
     /// What moves boxes besides their own step: forms, by closed forms or not, keep from sample to sample how they
     /// depend on parameters; comparison bounds are asked for every sample. [`Engine::Auto`] leaves it at boxes.
     pub engine: Engine,
+    /// How what samples say is kept.
+    pub method: Method,
+    /// [`Method::Polytope`]: number of rows that are kept when there are twice so many.
+    pub rows: usize,
+    /// [`Method::Polytope`]: how many samples each of two forms may meet when one comes in.
+    pub replay: usize,
+    /// [`Method::Polytope`]: number of samples that may be met again; the oldest are forgotten.
+    pub history: usize,
 }
 
 impl Default for ObserverOptions {
@@ -80,6 +106,10 @@ impl Default for ObserverOptions {
             merge_across_modes: false,
             step: StepOptions::default(),
             engine: Engine::Auto,
+            method: Method::Boxes,
+            rows: 64,
+            replay: 8,
+            history: 20_000,
         }
     }
 }

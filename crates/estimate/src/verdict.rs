@@ -117,6 +117,15 @@ pub enum Contradiction {
         /// Every rate possible now by how far the state moved.
         needed: Interval,
     },
+    /// What boxes leave of a state or parameter is not what the strips of all samples leave.
+    Apart {
+        /// Its index: states first, then parameters.
+        quantity: usize,
+        /// What one of them leaves.
+        enclosure: Interval,
+        /// What the other one leaves.
+        allowed: Interval,
+    },
 }
 
 impl Contradiction {
@@ -129,6 +138,9 @@ impl Contradiction {
                 enclosure, needed, ..
             } => (1, distance(*enclosure, *needed)),
             Contradiction::Signal { enclosure, .. } => (2, enclosure.mig()),
+            Contradiction::Apart {
+                enclosure, allowed, ..
+            } => (3, distance(*enclosure, *allowed)),
         };
         let ((kind, size), (other_kind, other_size)) = (miss(self), miss(other));
         kind < other_kind || (kind == other_kind && size < other_size)
@@ -136,6 +148,9 @@ impl Contradiction {
 }
 
 /// A proof that model and record contradict each other.
+///
+/// With [`Method::Polytope`](crate::Method::Polytope) the sample may be an earlier one, which was met again with what later
+/// samples leave of the parameters: all samples so far take part.
 ///
 /// ```
 /// use veribound_estimate::{Contradiction, Observer, ObserverOptions, Verdict};

@@ -14,7 +14,7 @@ mod common;
 use common::models::{BELT, CHAIN, PENDULUM, Target};
 use common::truth::{Events, Sim};
 use common::{Rng, read};
-use veribound_estimate::{Observer, ObserverOptions, ParameterRule, Verdict};
+use veribound_estimate::{Method, Observer, ObserverOptions, ParameterRule, Verdict};
 use veribound_flow::StepOptions;
 use veribound_interval::{Decimal, Interval};
 use veribound_model::Sample;
@@ -46,6 +46,7 @@ fn options(rng: &mut Rng) -> ObserverOptions {
             ParameterRule::WidestInfluence,
         ]),
         merge_across_modes: rng.chance(0.3),
+        method: rng.pick(&[Method::Boxes, Method::Boxes, Method::Polytope]),
         windows: match rng.below(4) {
             0 => Vec::new(),
             1 => vec![1, 3],

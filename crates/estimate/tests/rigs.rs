@@ -12,7 +12,7 @@
 mod common;
 
 use common::{RigText, Rng, rig_step};
-use veribound_estimate::{Observer, ObserverOptions, ParameterRule, Verdict};
+use veribound_estimate::{Method, Observer, ObserverOptions, ParameterRule, Verdict};
 use veribound_flow::StepOptions;
 use veribound_flow::engine::Engine;
 use veribound_interval::{Decimal, Interval};
@@ -272,6 +272,9 @@ fn random_options(rng: &mut Rng) -> ObserverOptions {
         merge_across_modes: rng.chance(0.3),
         windows: windows(rng),
         velocity_horizon: rng.pick(&[2.0, 0.0, 100.0]),
+        method: rng.pick(&[Method::Boxes, Method::Boxes, Method::Polytope]),
+        rows: rng.pick(&[2, 16, 64]),
+        history: rng.pick(&[30, 20_000]),
         step: StepOptions {
             order: 1 + rng.below(6),
             ..StepOptions::default()

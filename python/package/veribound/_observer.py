@@ -92,7 +92,7 @@ class Observer:
     """Follows a machine sample by sample; one `step` for each.
 
     Guarantee and options are those of `veribound.observe`; memory does not grow, and the time for a sample is bounded
-    by the number of boxes.
+    by the number of boxes, and with ``method="polytope"`` by `rows` and `replay`.
 
     >>> import veribound as vb
     >>> model = vb.Model.from_toml('''
@@ -133,6 +133,10 @@ class Observer:
         halvings: Optional[int] = None,
         longest_step: Optional[float] = None,
         engine: Optional[str] = None,
+        method: Optional[str] = None,
+        rows: Optional[int] = None,
+        replay: Optional[int] = None,
+        history: Optional[int] = None,
         exact: bool = False,
     ) -> None:
         given = dict(locals())

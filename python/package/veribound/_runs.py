@@ -84,6 +84,10 @@ def observe(
     halvings: Optional[int] = None,
     longest_step: Optional[float] = None,
     engine: Optional[str] = None,
+    method: Optional[str] = None,
+    rows: Optional[int] = None,
+    replay: Optional[int] = None,
+    history: Optional[int] = None,
     output: Any = None,
     figures: Any = None,
     report: Optional[str] = None,
@@ -117,6 +121,8 @@ def observe(
     engine : ``"auto"`` (boxes alone), ``"forms"``, ``"closed"``, ``"comparison"`` or ``"boxes"``: what moves boxes besides
         their own step. Forms keep from sample to sample how boxes depend on parameters, which narrows more with few
         boxes and takes many times as long.
+    method : ``"boxes"`` or ``"polytope"``: what all samples say together is kept, too, which narrows parameters much more;
+        `rows`, `replay` and `history` bound its work and memory.
     output : folder for the files that the program writes, with the page `report.html`; `figures`, `report`, `parquet`,
         `zoom` and `overlay` are about these.
     exact : a float of a frame stands for the number that it holds, digit for digit. By default it stands for its

@@ -154,6 +154,8 @@ pub enum Kind {
     Signal,
     /// How far a state moved, by the measurements.
     Motion,
+    /// What all samples say together of a state or parameter.
+    Apart,
 }
 
 /// What a run cost.

@@ -46,7 +46,7 @@ const TRUST: f64 = 0.5;
 const FITS: usize = 12;
 
 /// A climb has so many steps at most, keeps inside of what was measured by this share,
-const CLIMBS: usize = 8;
+const CLIMBS: usize = 5;
 const MARGIN: f64 = 1e-3;
 
 /// may be outside by this share on its way, and has arrived when a step brought no more than this share of it.
@@ -77,7 +77,7 @@ pub(crate) struct Cell {
     /// For every record samples at which windows began, and the states there of all solutions that are left.
     pub(crate) junctions: Vec<Junctions>,
     /// The deepest point of all windows, where there are any.
-    deep: Option<(Vec<f64>, f64)>,
+    pub(crate) deep: Option<(Vec<f64>, f64)>,
 }
 
 /// A conflict, and the record it is in.

@@ -1,19 +1,19 @@
 //! Identification: the parameters that whole records leave, proved from both sides.
 
 mod answer;
-mod cell;
+pub(crate) mod cell;
 mod disturbance;
 mod eigen;
 mod gross;
-mod held;
+pub(crate) mod held;
 mod outliers;
-mod pass;
+pub(crate) mod pass;
 mod pave;
-mod problem;
-mod region;
-mod rows;
+pub(crate) mod problem;
+pub(crate) mod region;
+pub(crate) mod rows;
 mod search;
-mod simplex;
+pub(crate) mod simplex;
 mod windows;
 
 pub use answer::{

@@ -23,14 +23,14 @@ const MOST_STEPS: usize = 100;
 const NEXT: f64 = 1.25;
 
 /// Unknowns that keep more than this share of their width are not written anew on the way.
-const WORTHWHILE: f64 = 0.8;
+pub(crate) const WORTHWHILE: f64 = 0.8;
 
 /// A sample tells little where what is no affine function of the unknowns is so many times wider than what was
 /// measured,
-const BLURRED: f64 = 2.0;
+pub(crate) const BLURRED: f64 = 2.0;
 
 /// and a pass ends after so many of these in a row.
-const HIDDEN: usize = 12;
+pub(crate) const HIDDEN: usize = 12;
 
 /// Ends of the values that a parameter can have for one stretch are cut off in so many halvings.
 const HALVINGS: usize = 30;
@@ -229,10 +229,23 @@ pub(crate) fn pass(
 }
 
 /// A state that is told to be at a point is there, where the form does not say it as well.
-fn hold(form: &mut Form, state: usize, told: Interval) {
+pub(crate) fn hold(form: &mut Form, state: usize, told: Interval) {
     let mut states = vec![Interval::ENTIRE; form.strips().len()];
     states[state] = told;
     form.restrict(&states);
+}
+
+/// A sample tells that a state is on the level that it is on its way to: without capture it would be there or
+/// beyond. What is added to the slopes of the state without capture, and where the sum is.
+pub(crate) fn beyond(arriving: &Arriving) -> (Interval, Interval) {
+    let level = arriving.level;
+    let beyond = if arriving.from_above {
+        Interval::new(f64::NEG_INFINITY, level.hi())
+    } else {
+        Interval::new(level.lo(), f64::INFINITY)
+    };
+    let rest = arriving.ahead.remainder + Interval::point(arriving.ahead.centre);
+    (rest, beyond.unwrap_or(Interval::ENTIRE))
 }
 
 fn scales(form: &Form) -> Vec<(Interval, Interval)> {
@@ -490,17 +503,8 @@ impl Meeter<'_> {
         false
     }
 
-    /// A sample tells that a state is on the level that it is on its way to: without capture it would be there or
-    /// beyond.
     fn arriving(&mut self, arriving: &Arriving, sample: usize) {
-        let level = arriving.level;
-        let beyond = if arriving.from_above {
-            Interval::new(f64::NEG_INFINITY, level.hi())
-        } else {
-            Interval::new(level.lo(), f64::INFINITY)
-        };
-        let rest = arriving.ahead.remainder + Interval::point(arriving.ahead.centre);
-        let beyond = beyond.unwrap_or(Interval::ENTIRE);
+        let (rest, beyond) = beyond(arriving);
         self.rows
             .push(&arriving.ahead.slopes, rest, beyond, sample, 0);
     }

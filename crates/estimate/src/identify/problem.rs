@@ -340,7 +340,8 @@ impl Problem {
         problem
     }
 
-    fn new(model: &Model, held: Held) -> Problem {
+    /// A model without records.
+    pub(crate) fn new(model: &Model, held: Held) -> Problem {
         let outer = Arc::new(Moved::new(model, &held.inputs[..held.firm]));
         let outputs = model.outputs.iter().map(|output| output.expr);
         let zeros = model.signals.iter().flat_map(|signal| &signal.proves_zero);

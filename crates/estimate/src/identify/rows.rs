@@ -132,12 +132,19 @@ impl Rows {
 
     /// Leaves out the rows that say nothing about the unit box.
     pub(crate) fn prune(&mut self) {
+        self.retain(|rows, row| {
+            let reach: f64 = rows.slopes(row).iter().map(|g| g.abs()).sum();
+            let reach = Interval::symmetric(reach * (1.0 + 1e-12));
+            !(reach.is_subset_of(rows.inner[row]) && reach.is_subset_of(rows.outer[row]))
+        });
+    }
+
+    /// Leaves out all rows but those that are wanted: what holds for some goes on to hold.
+    pub(crate) fn retain(&mut self, is_wanted: impl Fn(&Rows, usize) -> bool) {
         let unknowns = self.unknowns;
         let mut kept = 0;
         for row in 0..self.len() {
-            let reach: f64 = self.slopes(row).iter().map(|g| g.abs()).sum();
-            let reach = Interval::symmetric(reach * (1.0 + 1e-12));
-            if reach.is_subset_of(self.inner[row]) && reach.is_subset_of(self.outer[row]) {
+            if !is_wanted(self, row) {
                 continue;
             }
             if kept < row {
@@ -149,7 +156,12 @@ impl Rows {
             }
             kept += 1;
         }
-        self.slopes.truncate(kept * unknowns);
+        self.truncate(kept);
+    }
+
+    /// Leaves out all rows but the first.
+    pub(crate) fn truncate(&mut self, kept: usize) {
+        self.slopes.truncate(kept * self.unknowns);
         self.outer.truncate(kept);
         self.inner.truncate(kept);
         self.origins.truncate(kept);

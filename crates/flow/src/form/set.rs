@@ -36,6 +36,8 @@ pub struct FormOptions {
     pub steepest: f64,
     /// Right-hand sides that are affine in the states move forms by their closed form.
     pub closed: bool,
+    /// Boxes go on for a moment where no crossing is proved; else the form ends there.
+    pub boxes: bool,
 }
 
 impl Default for FormOptions {
@@ -49,6 +51,7 @@ impl Default for FormOptions {
             share: 1e-7,
             steepest: 0.7,
             closed: false,
+            boxes: true,
         }
     }
 }
@@ -341,7 +344,7 @@ impl Form {
     }
 
     /// Products of coefficients in one multiplication of polynomials.
-    pub(crate) fn cost(&self) -> f64 {
+    pub fn cost(&self) -> f64 {
         let orders = (self.order + 1) as f64;
         0.5 * self.monomials.products() as f64 * orders * (orders + 1.0)
     }

@@ -289,6 +289,30 @@ pub struct Method {
     /// which narrows more with few boxes and takes many times as long; auto leaves it at boxes
     #[arg(long, value_name = "NAME", default_value = "auto")]
     pub engine: EngineName,
+    /// How what samples say is kept
+    #[arg(long, value_name = "NAME", value_enum, default_value_t = MethodName::Boxes)]
+    pub method: MethodName,
+    /// polytope: rows that are kept when there are twice so many
+    #[arg(long, value_name = "N", default_value_t = ObserverOptions::default().rows,
+          value_parser = count(1))]
+    pub rows: usize,
+    /// polytope: how many samples each of two sets may meet when one comes in
+    #[arg(long, value_name = "N", default_value_t = ObserverOptions::default().replay,
+          value_parser = count(1))]
+    pub replay: usize,
+    /// polytope: samples that may be met again; the oldest are forgotten
+    #[arg(long, value_name = "N", default_value_t = ObserverOptions::default().history,
+          value_parser = count(2))]
+    pub history: usize,
+}
+
+/// Names of methods of the observer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum MethodName {
+    /// In a list of boxes alone
+    Boxes,
+    /// In boxes and, beside them, in a polytope of what all samples say together
+    Polytope,
 }
 
 /// What the run shows.
@@ -569,6 +593,13 @@ impl Method {
             merge_across_modes: self.merge_across_modes,
             step: ObserverOptions::default().step,
             engine: self.engine.into(),
+            method: match self.method {
+                MethodName::Boxes => veribound_estimate::Method::Boxes,
+                MethodName::Polytope => veribound_estimate::Method::Polytope,
+            },
+            rows: self.rows,
+            replay: self.replay,
+            history: self.history,
         };
         options.step.order = self.order;
         options.step.halvings = self.halvings;

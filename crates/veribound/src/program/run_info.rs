@@ -216,6 +216,10 @@ fn options(arguments: &Observe, assumptions: &[String]) -> Table {
     );
     put("parameter_rule", named(method.parameter_rule));
     put("engine", named(method.engine));
+    put("method", named(method.method));
+    put("rows", Value::Integer(method.rows as i64));
+    put("replay", Value::Integer(method.replay as i64));
+    put("history", Value::Integer(method.history as i64));
     put("figures", formats(&showing.output.figures));
     put("report", named(showing.output.report));
     put("parquet", Value::Boolean(showing.output.parquet));

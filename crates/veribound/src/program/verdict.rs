@@ -38,6 +38,7 @@ pub fn entry(model: &Model, refutation: &Refutation) -> veribound_data::Refutati
         Contradiction::Output { .. } => Kind::Output,
         Contradiction::Signal { .. } => Kind::Signal,
         Contradiction::Motion { .. } => Kind::Motion,
+        Contradiction::Apart { .. } => Kind::Apart,
     };
     veribound_data::Refutation::new(
         kind,
@@ -103,6 +104,23 @@ fn told<'m>(model: &'m Model, refutation: &Refutation) -> Told<'m> {
                 subject: name.to_owned(),
             }
         }
+        Contradiction::Apart {
+            quantity,
+            enclosure,
+            allowed,
+        } => {
+            let states = model.states.iter().map(|state| (&state.name, &state.unit));
+            let params = model.params.iter().map(|param| (&param.name, &param.unit));
+            let own = states.chain(params).nth(*quantity);
+            let (name, unit) = own.map_or(("", ""), |(name, unit)| (name.as_str(), unit.as_str()));
+            Told {
+                name,
+                unit,
+                enclosure: *enclosure,
+                allowed: *allowed,
+                subject: name.to_owned(),
+            }
+        }
     }
 }
 
@@ -144,6 +162,7 @@ pub fn refuted_at(model: &Model, refutation: &Refutation) -> String {
         Contradiction::Output { .. } => "the measurement allows",
         Contradiction::Signal { .. } => "the signal allows",
         Contradiction::Motion { .. } => "how far the measurements say it moved allows",
+        Contradiction::Apart { .. } => "all samples together allow",
     };
     format!(
         "t = {} s: the enclosure of {subject} is {}{unit}; {who} {}{unit}: gap {gap}{unit}",
@@ -166,7 +185,7 @@ fn refuted(model: &Model, record: &Record, refutation: &Refutation) -> Diagnosti
             "widen what is not certain: the error bound of `{name}`, the priors, disturbances, `--input-error`, \
              or `--reset` for a parameter that changes"
         ),
-        Contradiction::Motion { .. } => String::from(
+        Contradiction::Motion { .. } | Contradiction::Apart { .. } => String::from(
             "widen what is not certain: the error bounds of the outputs, the priors, disturbances, `--input-error`, \
              or `--reset` for a parameter that changes",
         ),

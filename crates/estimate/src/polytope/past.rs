@@ -1,0 +1,105 @@
+//! The samples that may be met again.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: who asks for a sample knows that it is kept"
+)]
+
+use std::collections::VecDeque;
+
+use veribound_flow::form::Stretch;
+use veribound_interval::{Decimal, Interval};
+
+/// What a sample told, and where solutions were.
+#[derive(Debug, Clone)]
+pub(super) struct Moment {
+    pub(super) time: Decimal,
+    pub(super) line: usize,
+    /// Quantities, by position in `Problem::quantities`, with every value each can have.
+    pub(super) told: Vec<(usize, Interval)>,
+    /// Inputs from now on.
+    pub(super) inputs: Vec<Interval>,
+    /// Time since the sample before.
+    pub(super) dt: Interval,
+    /// Encloses the states of all solutions that agree with the samples until then.
+    pub(super) states: Vec<Interval>,
+}
+
+/// The last samples, so many at most.
+#[derive(Debug, Default)]
+pub(super) struct Past {
+    moments: VecDeque<Moment>,
+    first: u64,
+}
+
+impl Past {
+    /// Forgets all.
+    pub(super) fn clear(&mut self) {
+        self.first += self.moments.len() as u64;
+        self.moments.clear();
+    }
+
+    /// Takes note of a sample, the one with number `sample`.
+    pub(super) fn push(&mut self, sample: u64, moment: Moment, most: usize) {
+        if self.moments.is_empty() {
+            self.first = sample;
+        }
+        self.moments.push_back(moment);
+        if self.moments.len() > most.max(2) {
+            self.moments.pop_front();
+            self.first += 1;
+        }
+    }
+
+    /// Number of the oldest sample that is kept.
+    pub(super) fn first(&self) -> u64 {
+        self.first
+    }
+
+    /// Number of the newest sample.
+    pub(super) fn newest(&self) -> u64 {
+        (self.first + self.moments.len() as u64).saturating_sub(1)
+    }
+
+    /// A sample that is kept.
+    pub(super) fn moment(&self, sample: u64) -> &Moment {
+        &self.moments[self.place(sample)]
+    }
+
+    fn place(&self, sample: u64) -> usize {
+        usize::try_from(sample.saturating_sub(self.first)).unwrap_or(usize::MAX)
+    }
+
+    /// What a sample told of a quantity.
+    pub(super) fn told(&self, sample: u64, quantity: usize) -> Option<Interval> {
+        let moment = self.moments.get(self.place(sample))?;
+        let mut told = moment.told.iter().filter(|told| told.0 == quantity);
+        told.next().map(|told| told.1)
+    }
+
+    /// The stretches from a sample on, so many at most.
+    pub(super) fn stretches(&self, from: u64, most: usize) -> Vec<Stretch> {
+        let begin = self.place(from);
+        let later = self
+            .moments
+            .range(begin..)
+            .zip(self.moments.range(begin + 1..));
+        let stretches = later.take(most).map(|(moment, next)| Stretch {
+            inputs: moment.inputs.clone(),
+            dt: next.dt,
+        });
+        stretches.collect()
+    }
+
+    /// The inputs that may act at a sample: those until then, and those from then on.
+    pub(super) fn inputs_at(&self, sample: u64) -> Vec<Interval> {
+        let place = self.place(sample);
+        let now = &self.moments[place].inputs;
+        match place.checked_sub(1) {
+            None => now.clone(),
+            Some(before) => {
+                let before = self.moments[before].inputs.iter();
+                before.zip(now).map(|(a, b)| a.hull(*b)).collect()
+            }
+        }
+    }
+}

@@ -1,0 +1,219 @@
+//! The polytope of what all samples say, online: the truth is never lost, and little is lost of what identification keeps.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking"
+)]
+
+#[path = "../../flow/tests/common/mod.rs"]
+mod common;
+
+use common::{RigText, Rng, number, read, rig_step};
+use veribound_estimate::{Method, Observer, ObserverOptions, Verdict};
+use veribound_interval::{Decimal, Interval};
+use veribound_model::{Model, Sample};
+
+/// A record with what is true at every sample: states, then parameters.
+struct Record {
+    model: Model,
+    samples: Vec<Sample>,
+    truth: Vec<Vec<f64>>,
+}
+
+/// How far the truth in floating point may be from the exact one.
+const SLACK: f64 = 1e-8;
+
+fn decimal(x: f64, digits: usize) -> Decimal {
+    Decimal::parse(&format!("{x:.digits$}")).unwrap()
+}
+
+/// A measurement with an error that often is at the bound.
+fn measured(rng: &mut Rng, truth: f64, bound: f64) -> Interval {
+    let reach = bound - 4.0 * SLACK;
+    let error = rng.pick(&[-reach, reach, 0.0]) * rng.pick(&[1.0, 1.0, 0.7]);
+    let read = decimal(truth + error, 12).to_interval();
+    read + Interval::new(-bound, bound).unwrap()
+}
+
+/// A motor with dry friction, its angle read to 0.1 rad every 10 ms, with wide priors.
+fn motor(rng: &mut Rng, count: usize, tells_rest: bool) -> Record {
+    let p = [
+        -rng.between(0.5, 4.0),
+        rng.between(50.0, 300.0),
+        rng.between(0.05, 0.25),
+    ];
+    let model = RigText {
+        explicit: rng.chance(0.5),
+        still: tells_rest.then_some(("0", None)),
+        ..RigText::default()
+    };
+    let (mut x, mut w, mut u) = (0.0, 0.0, 0.0);
+    let (mut samples, mut truth, mut left) = (Vec::new(), Vec::new(), 0);
+    for k in 0..count {
+        if left == 0 {
+            left = 10 + rng.below(60);
+            let levels = [0.0, 0.12, 0.2, 0.3, 0.4, 0.5, -0.2, -0.3, -0.4];
+            u = levels[rng.below(levels.len())];
+        }
+        left -= 1;
+        let output = measured(rng, x, 0.1);
+        samples.push(Sample {
+            time: decimal(k as f64 * 0.01, 2),
+            inputs: vec![decimal(u, 2).to_interval()],
+            outputs: vec![(!rng.chance(0.05)).then_some(output)],
+            signals: vec![Some(w == 0.0); usize::from(tells_rest)],
+            line: k + 2,
+        });
+        truth.push(vec![x, w, p[0], p[1], p[2]]);
+        (x, w) = rig_step(x, w, u, p, 0.01);
+    }
+    Record {
+        model: model.model(),
+        samples,
+        truth,
+    }
+}
+
+const TANKS: &str = "format = 1\nname = \"tanks\"\nstates = [\"h1\", \"h2\"]\ninputs = [\"q\"]\n[init]\n\
+    h1 = [0.1, 0.3]\nh2 = [0.1, 0.3]\n[params]\na = [0.05, 0.2]\nb = [0.02, 0.15]\nw = [0, 5]\nedge = [0.4, 0.7]\n\
+    [der]\nh1 = \"q - 4.43*a*sqrt(h1) - w*max(0, h1 - edge)\"\nh2 = \"4.43*(a*sqrt(h1) - b*sqrt(h2))\"\n\
+    [outputs]\nupper = \"h1 +- 0.005\"\nlower = \"h2 +- 0.005\"\n";
+
+/// Runge and Kutta's steps, so many.
+fn travel(rate: &dyn Fn(&[f64]) -> Vec<f64>, x: &mut [f64], h: f64, steps: usize) {
+    let h = h / steps as f64;
+    for _ in 0..steps {
+        let along = |k: &[f64], share: f64| -> Vec<f64> {
+            x.iter().zip(k).map(|(x, k)| x + share * h * k).collect()
+        };
+        let k1 = rate(x);
+        let k2 = rate(&along(&k1, 0.5));
+        let k3 = rate(&along(&k2, 0.5));
+        let k4 = rate(&along(&k3, 1.0));
+        for (i, x) in x.iter_mut().enumerate() {
+            *x += h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]);
+        }
+    }
+}
+
+/// Two tanks with an overflow, both levels read to 5 mm every 50 ms.
+fn tanks(rng: &mut Rng, count: usize) -> Record {
+    let p = [
+        rng.between(0.07, 0.15),
+        rng.between(0.04, 0.1),
+        rng.between(0.5, 4.0),
+        rng.between(0.45, 0.6),
+    ];
+    let mut x = [rng.between(0.1, 0.3), rng.between(0.1, 0.3)];
+    let (mut samples, mut truth, mut q, mut left) = (Vec::new(), Vec::new(), 0.3, 0);
+    for k in 0..count {
+        if left == 0 {
+            left = 20 + rng.below(60);
+            q = rng.pick(&[0.2, 0.3, 0.4, 0.5, 0.6]);
+        }
+        left -= 1;
+        let outputs = x.map(|x| (!rng.chance(0.05)).then_some(measured(rng, x, 0.005)));
+        samples.push(Sample {
+            time: decimal(k as f64 * 0.05, 2),
+            inputs: vec![decimal(q, 1).to_interval()],
+            outputs: outputs.to_vec(),
+            signals: Vec::new(),
+            line: k + 2,
+        });
+        truth.push([&x[..], &p].concat());
+        let rate = |x: &[f64]| {
+            let down = 4.43 * p[0] * x[0].sqrt();
+            vec![
+                q - down - p[2] * (x[0] - p[3]).max(0.0),
+                down - 4.43 * p[1] * x[1].sqrt(),
+            ]
+        };
+        travel(&rate, &mut x, 0.05, 64);
+    }
+    Record {
+        model: read("tanks", TANKS),
+        samples,
+        truth,
+    }
+}
+
+/// Few boxes, so that the strips matter.
+fn options() -> ObserverOptions {
+    ObserverOptions {
+        method: Method::Polytope,
+        boxes: 20,
+        bisections: 10,
+        ..ObserverOptions::default()
+    }
+}
+
+fn random_options(rng: &mut Rng) -> ObserverOptions {
+    ObserverOptions {
+        boxes: 1 + rng.below(20),
+        bisections: rng.below(10),
+        rows: rng.pick(&[1, 8, 64]),
+        replay: rng.pick(&[1, 3, 8]),
+        history: rng.pick(&[2, 40, 20_000]),
+        ..options()
+    }
+}
+
+/// Goes through a record; the truth is in some box after every sample. The hull of the parameters at the end.
+fn observe(record: &Record, options: &ObserverOptions, story: &str) -> Vec<Interval> {
+    let mut observer = Observer::new(&record.model, options.clone());
+    let mut left = Vec::new();
+    for (sample, truth) in record.samples.iter().zip(&record.truth) {
+        match observer.step(sample).unwrap() {
+            Verdict::Consistent(estimate) => left = estimate.params,
+            other => panic!("{story} at {}: {other:?}", sample.time),
+        }
+        let states = truth.len() - record.model.params.len();
+        let inside = observer.cells().iter().any(|cell| {
+            cell.z.iter().zip(truth).enumerate().all(|(i, (z, x))| {
+                let slack = if i < states { SLACK } else { 0.0 };
+                z.inflate(slack).contains(*x)
+            })
+        });
+        assert!(
+            inside,
+            "{story} at {}: {truth:?} lost: {left:?}",
+            sample.time
+        );
+    }
+    left
+}
+
+fn rounds(usual: u64) -> u64 {
+    number("VERIBOUND_ROUNDS", 1) * usual
+}
+
+#[test]
+fn the_truth_of_motors_is_never_lost() {
+    for round in 0..rounds(10) {
+        let mut rng = Rng(number("VERIBOUND_SEED", 1) * 1_000_003 + round);
+        let tells_rest = rng.chance(0.5);
+        let record = motor(&mut rng, 300, tells_rest);
+        let options = random_options(&mut rng);
+        observe(
+            &record,
+            &options,
+            &format!("motor, round {round}, {options:?}"),
+        );
+    }
+}
+
+#[test]
+fn the_truth_of_tanks_is_never_lost() {
+    for round in 0..rounds(3) {
+        let mut rng = Rng(number("VERIBOUND_SEED", 1) * 7_000_003 + round);
+        let record = tanks(&mut rng, 100);
+        let options = random_options(&mut rng);
+        observe(
+            &record,
+            &options,
+            &format!("tanks, round {round}, {options:?}"),
+        );
+    }
+}
