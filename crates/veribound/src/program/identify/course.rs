@@ -175,6 +175,7 @@ mod tests {
         let found = Findings {
             identified,
             least: None,
+            least_disturbance: None,
             seconds: 0.0,
             ending: Ending::Done,
         };
