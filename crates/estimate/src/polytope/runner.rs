@@ -226,7 +226,6 @@ impl Runner {
         let (begin, newest) = (self.at, past.newest());
         let is_first = begin == self.base && self.asked == 0;
         let (over, spent) = (Shared::new(false), Shared::new(0.0));
-        let since = Shared::new(0.0);
         let form = self.form.clone();
         let before = form.strips();
         let mut found = Found {
@@ -239,7 +238,6 @@ impl Runner {
         let (mut here, mut clash) = (None, None);
         let meet = &mut |meeting: Meeting<'_>| {
             let sample = begin + meeting.stretch as u64;
-            since.set(0.0);
             if clash.is_some() || over.get() || (sample == begin && !is_first) {
                 return;
             }
@@ -257,7 +255,7 @@ impl Runner {
                 here = Some(form.strips());
             }
             let strips = form.strips();
-            let may_wait = sample + PATIENCE as u64 > newest;
+            let may_wait = begin + PATIENCE as u64 > newest;
             if is_passing || may_wait && has_grown(&before, &strips) {
                 return;
             }
@@ -279,9 +277,7 @@ impl Runner {
             over.set(sample >= begin + most as u64 || spent.get() >= COST);
         };
         let go_on = |form: &Form| {
-            // Many steps from one sample to the next are boxes', which are dearer.
-            since.set(since.get() + 1.0);
-            spent.set(spent.get() + since.get() * form.cost());
+            spent.set(spent.get() + form.cost());
             !over.get() && spent.get() <= MOST * COST.max(form.cost())
         };
         // On failure what was met stays.
