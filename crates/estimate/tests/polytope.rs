@@ -11,7 +11,8 @@
 mod common;
 
 use common::{RigText, Rng, number, read, rig_step};
-use veribound_estimate::{Method, Observer, ObserverOptions, Verdict};
+use veribound_estimate::identify::{IdentifyOptions, identify};
+use veribound_estimate::{Contradiction, Method, Observer, ObserverOptions, Verdict};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{Model, Sample};
 
@@ -37,25 +38,53 @@ fn measured(rng: &mut Rng, truth: f64, bound: f64) -> Interval {
     read + Interval::new(-bound, bound).unwrap()
 }
 
-/// A motor with dry friction, its angle read to 0.1 rad every 10 ms, with wide priors.
-fn motor(rng: &mut Rng, count: usize, tells_rest: bool) -> Record {
+/// A motor with dry friction, its angle read to 0.1 rad every 10 ms, with wide priors; or with narrower ones
+/// and without torques that move it with some parameters and leave it at rest with others, since sets are not divided.
+fn motor(rng: &mut Rng, count: usize, (tells_rest, is_clear): (bool, bool)) -> Record {
     let p = [
         -rng.between(0.5, 4.0),
         rng.between(50.0, 300.0),
         rng.between(0.05, 0.25),
     ];
+    let around = |x: f64| {
+        let ends = [0.7 * x, 1.4 * x].map(|x| format!("{x:.4}"));
+        if x < 0.0 {
+            [ends[1].clone(), ends[0].clone()]
+        } else {
+            ends
+        }
+    };
+    let wide = RigText::default();
     let model = RigText {
+        alpha: if is_clear {
+            around(p[0])
+        } else {
+            wide.alpha.clone()
+        },
+        beta: if is_clear {
+            around(p[1])
+        } else {
+            wide.beta.clone()
+        },
+        level: if is_clear {
+            around(p[2])
+        } else {
+            wide.level.clone()
+        },
         explicit: rng.chance(0.5),
         still: tells_rest.then_some(("0", None)),
-        ..RigText::default()
+        ..wide
     };
     let (mut x, mut w, mut u) = (0.0, 0.0, 0.0);
     let (mut samples, mut truth, mut left) = (Vec::new(), Vec::new(), 0);
     for k in 0..count {
         if left == 0 {
-            left = 10 + rng.below(60);
-            let levels = [0.0, 0.12, 0.2, 0.3, 0.4, 0.5, -0.2, -0.3, -0.4];
-            u = levels[rng.below(levels.len())];
+            left = if is_clear { 150 } else { 10 + rng.below(60) };
+            u = if is_clear {
+                [0.0, 0.4, 0.0, -0.5][k / 150 % 4]
+            } else {
+                rng.pick(&[0.0, 0.12, 0.2, 0.3, 0.4, 0.5, -0.2, -0.3, -0.4])
+            };
         }
         left -= 1;
         let output = measured(rng, x, 0.1);
@@ -194,7 +223,8 @@ fn the_truth_of_motors_is_never_lost() {
     for round in 0..rounds(10) {
         let mut rng = Rng(number("VERIBOUND_SEED", 1) * 1_000_003 + round);
         let tells_rest = rng.chance(0.5);
-        let record = motor(&mut rng, 300, tells_rest);
+        let is_clear = rng.chance(0.7);
+        let record = motor(&mut rng, 300, (tells_rest, is_clear));
         let options = random_options(&mut rng);
         observe(
             &record,
@@ -216,4 +246,83 @@ fn the_truth_of_tanks_is_never_lost() {
             &format!("tanks, round {round}, {options:?}"),
         );
     }
+}
+
+/// What identification proves to be reached is left by all budgets of rows, and more rows leave little more than that.
+#[test]
+fn fewer_rows_leave_more() {
+    for round in 0..rounds(1) {
+        let mut rng = Rng(number("VERIBOUND_SEED", 1) * 31 + round);
+        let record = motor(&mut rng, 900, (true, true));
+        let whole = IdentifyOptions::default();
+        let found = identify(&record.model, &[record.samples.clone()], &whole, &|_| true);
+        let mut all = Vec::new();
+        for rows in [8, 32, 128] {
+            let options = ObserverOptions { rows, ..options() };
+            let left = observe(&record, &options, &format!("round {round}, {rows} rows"));
+            for (left, bounds) in left.iter().zip(&found.params) {
+                let inner = bounds.inner.unwrap();
+                assert!(
+                    inner.is_subset_of(*left),
+                    "round {round}, {rows} rows: {left} {bounds:?}"
+                );
+            }
+            all.push(left);
+        }
+        for (param, bounds) in found.params.iter().enumerate() {
+            let widths: Vec<f64> = all.iter().map(|left| left[param].width()).collect();
+            println!("{widths:?} of {bounds:?}");
+            assert!(widths[2] <= 1.05 * widths[0], "{widths:?}");
+            assert!(
+                widths[2] <= 1.5 * bounds.inner.unwrap().width(),
+                "{widths:?} {bounds:?}"
+            );
+        }
+    }
+}
+
+/// A motor whose friction becomes another one without a reset is refuted, and boxes of the same number do not see it.
+#[test]
+fn a_change_is_refuted() {
+    let mut refuted = 0;
+    for round in 0..3 {
+        let mut rng = Rng(100 + round);
+        let record = motor(&mut rng, 900, (true, true));
+        let p = &record.truth[0];
+        let (mut x, mut w) = (p[0], p[1]);
+        let mut observer = Observer::new(&record.model, options());
+        for (k, sample) in record.samples.iter().enumerate() {
+            let mut sample = sample.clone();
+            sample.outputs = vec![Some(measured(&mut rng, x, 0.1))];
+            sample.signals = vec![Some(w == 0.0)];
+            let u = sample.inputs[0].mid();
+            let level = if k < 500 { p[4] } else { p[4] + 0.02 };
+            (x, w) = rig_step(x, w, u, [p[2], p[3], level], 0.01);
+            match observer.step(&sample).unwrap() {
+                Verdict::Consistent(_) => {}
+                Verdict::Inconsistent(refutation) => {
+                    assert!(k >= 500, "round {round}, {k}: {refutation:?}");
+                    let (a, b) = match refutation.contradiction {
+                        Contradiction::Output {
+                            enclosure,
+                            measured,
+                            ..
+                        } => (enclosure, measured),
+                        Contradiction::Apart {
+                            enclosure, allowed, ..
+                        } => (enclosure, allowed),
+                        Contradiction::Signal { enclosure, .. } => (enclosure, Interval::ZERO),
+                        Contradiction::Motion {
+                            enclosure, needed, ..
+                        } => (enclosure, needed),
+                    };
+                    assert!(!a.intersects(b), "{a} {b}");
+                    refuted += 1;
+                    break;
+                }
+                Verdict::Undecided(why) => panic!("round {round}, {k}: {why:?}"),
+            }
+        }
+    }
+    assert!(refuted >= 2, "{refuted}");
 }

@@ -272,7 +272,11 @@ fn random_options(rng: &mut Rng) -> ObserverOptions {
         merge_across_modes: rng.chance(0.3),
         windows: windows(rng),
         velocity_horizon: rng.pick(&[2.0, 0.0, 100.0]),
-        method: rng.pick(&[Method::Boxes, Method::Boxes, Method::Polytope]),
+        method: if rng.chance(0.15) {
+            Method::Polytope
+        } else {
+            Method::Boxes
+        },
         rows: rng.pick(&[2, 16, 64]),
         history: rng.pick(&[30, 20_000]),
         step: StepOptions {

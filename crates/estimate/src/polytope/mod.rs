@@ -213,15 +213,16 @@ impl Polytope {
         // A narrower set goes farther; else another one goes on.
         let oldest = self.past.first();
         let again = Some(runner.smaller())
-            .filter(|(_, turned)| runner.base >= oldest && (*turned || runner.left() < WORTHWHILE));
+            .filter(|(_, turned)| *turned || runner.left() < WORTHWHILE)
+            .filter(|_| runner.base >= oldest && runner.has_gone_farther());
         let next = match again {
-            Some((region, _)) => Some(Runner::new(&self.problem, &region, runner.base)),
+            Some((region, _)) => Some(runner.again(&self.problem, &region)),
             None => {
                 let next = runner.anchored().filter(|(at, _)| *at >= oldest);
                 next.and_then(|(sample, states)| self.window(sample, Some(&states)))
             }
         };
-        if next.is_none() && runner.at == runner.base {
+        if next.is_none() {
             self.pause = self.past.newest() + PAUSE;
         }
         Ok((next, states))

@@ -17,7 +17,10 @@ use veribound_flow::form::{Form, FormOptions, Meeting, Stretch, Strip};
 use veribound_interval::Interval;
 use veribound_interval::round::{sub_down, sub_up};
 
-/// A crossing that is not proved within so many samples ends a set.
+/// A set that ends is moved anew, as far as it is left, where it came so many times as far as the last one.
+const FARTHER: f64 = 1.2;
+
+/// A crossing may need so many samples ahead.
 pub(super) const PATIENCE: usize = 16;
 
 /// Steps of one journey cost about so many products of coefficients: no further sample is met when that is spent,
@@ -25,6 +28,11 @@ const COST: f64 = 3e5;
 
 /// and the journey ends after so many times that.
 const MOST: f64 = 4.0;
+
+/// What is not affine grew, from one sample to the next, by more than this factor and this share of a width where boxes had
+/// to go on for want of a crossing: with more samples ahead it may be proved.
+const GROWN: f64 = 1.5;
+const SHARE: f64 = 0.02;
 
 /// What a vertex may violate, as share of a row's size, before bounds are asked for anew.
 const TOLERANCE: f64 = 1e-9;
@@ -50,6 +58,8 @@ pub(super) struct Runner {
     anchor: Option<(u64, Vec<Affine>)>,
     /// So many samples in a row told little.
     hidden: usize,
+    /// The last sample that an earlier set met which began at the same one.
+    reach: u64,
     /// Where it stands, it is moved again when this sample is known.
     again: u64,
 }
@@ -90,7 +100,6 @@ impl Runner {
         let (set, _) = region.rows_of(&all);
         let options = FormOptions {
             degree: Some(2),
-            boxes: false,
             ..FormOptions::default()
         };
         let form = problem.outer.flow.start_in(&set, options);
@@ -114,8 +123,23 @@ impl Runner {
             asked: 0,
             anchor: None,
             hidden: 0,
+            reach: base,
             again: 0,
         }
+    }
+
+    /// A set at the same sample, part of this one.
+    pub(super) fn again(&self, problem: &Problem, region: &Region) -> Runner {
+        Runner {
+            reach: self.at,
+            ..Runner::new(problem, region, self.base)
+        }
+    }
+
+    /// Whether it came much farther than an earlier one.
+    pub(super) fn has_gone_farther(&self) -> bool {
+        let farther = |at: u64| (at - self.base) as f64;
+        farther(self.at) > FARTHER * farther(self.reach)
     }
 
     /// Proved bounds of the parameters of all its solutions that agree with the samples met.
@@ -205,6 +229,7 @@ impl Runner {
         let is_first = begin == self.base && self.asked == 0;
         let (over, spent) = (Shared::new(false), Shared::new(0.0));
         let form = self.form.clone();
+        let before = form.strips();
         let mut found = Found {
             form: self.form.clone(),
             at: begin,
@@ -231,13 +256,15 @@ impl Runner {
             if sample == newest {
                 here = Some(form.strips());
             }
-            if is_passing {
+            let strips = form.strips();
+            let may_wait = begin + PATIENCE as u64 > newest;
+            if is_passing || may_wait && has_grown(&before, &strips) {
                 return;
             }
             match sight {
                 Sight::Clear => {
                     found.hidden = 0;
-                    let states = form.strips().into_iter().map(|strip| Affine {
+                    let states = strips.into_iter().map(|strip| Affine {
                         rest: strip.remainder + Interval::point(strip.centre),
                         slopes: strip.slopes,
                     });
@@ -472,6 +499,15 @@ impl Runner {
         let is_bounded = box_.iter().all(|x| x.is_bounded());
         (is_bounded && *sample > self.base).then_some((*sample, box_))
     }
+}
+
+/// Whether much more is not affine in some state than before.
+fn has_grown(before: &[Strip], now: &[Strip]) -> bool {
+    before.iter().zip(now).any(|(before, now)| {
+        let (was, is) = (before.remainder.width(), now.remainder.width());
+        let reach: f64 = now.slopes.iter().map(|g| g.abs()).sum();
+        is > GROWN * was + SHARE * (reach + is)
+    })
 }
 
 /// How much a sample tells.

@@ -31,15 +31,12 @@ const SHORTENINGS: usize = 12;
 impl Journey<'_> {
     /// Goes on for a moment; the regime that cannot go on, and how long its crossing takes, is a hint.
     ///
-    /// Errors: `why` it was asked, where boxes cannot go on either, or must not.
+    /// Errors: `why` it was asked, where boxes cannot go on either.
     pub(super) fn mixed(
         &mut self,
         hint: Option<(Acting, f64)>,
         why: Obstacle,
     ) -> Result<(), Obstacle> {
-        if !self.form.options.boxes {
-            return Err(why);
-        }
         let (flow, inputs) = (self.flow, self.inputs());
         let workspace = self.workspace.take();
         let mut workspace =

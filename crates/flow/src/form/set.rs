@@ -36,8 +36,6 @@ pub struct FormOptions {
     pub steepest: f64,
     /// Right-hand sides that are affine in the states move forms by their closed form.
     pub closed: bool,
-    /// Boxes go on for a moment where no crossing is proved; else the form ends there.
-    pub boxes: bool,
 }
 
 impl Default for FormOptions {
@@ -51,7 +49,6 @@ impl Default for FormOptions {
             share: 1e-7,
             steepest: 0.7,
             closed: false,
-            boxes: true,
         }
     }
 }
