@@ -188,8 +188,8 @@ def identify(
     tightness : outer bounds that are proved to be at most so many times as wide as possible are tight enough.
     paving : divide the prior into tiles inside, outside and undecided, until the undecided ones are this share of
         what is left, as ``"1%"``.
-    least_error, least_disturbance : also tell how many times as large as declared measurement errors, or errors of inputs and
-        disturbances, must be for anything to agree: in ``summary``.
+    least_error, least_disturbance : also tell how many times as large as declared measurement errors, or errors of
+        inputs and disturbances, must be for anything to agree: in ``summary``.
     sets : most sets of parameters that are looked at.
     threads : as many as the machine has if not given.
 
