@@ -36,6 +36,7 @@ fn measured(target: &Jumping) -> Model {
                 absolute: zero.clone(),
                 relative: zero.clone(),
             },
+            outliers: None,
         })
         .collect();
     model
