@@ -80,6 +80,7 @@ fn what_is_refused_is_told_word_for_word() {
     session.refused("identify m.toml r.csv missing.csv -o out");
     flags_of_simulate(&mut session);
     what_a_simulation_cannot_do(&mut session);
+    what_is_declared(&mut session);
     the_machine(&mut session);
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/testdata/messages.txt");
     if std::env::var_os("BLESS").is_some() {
@@ -90,6 +91,18 @@ fn what_is_refused_is_told_word_for_word() {
         assert_eq!(seen, wanted);
     }
     assert_eq!(session.text, wanted);
+}
+
+/// Outliers of an observer, and a least disturbance of nothing.
+fn what_is_declared(session: &mut Session) {
+    let spikes = DECAY.replace(
+        "\"x +- 0.1\"",
+        "{ expr = \"x\", error = 0.1, outliers = \"1 in 10\" }",
+    );
+    session.place.file("spikes.toml", spikes);
+    session.place.file("decay.csv", "t,y\n0,1\n0.1,0.9\n");
+    session.refused("observe spikes.toml decay.csv -o out --figures none");
+    session.refused("identify decay.toml decay.csv -o out --figures none --least-disturbance");
 }
 
 fn flags_of_observe(session: &mut Session) {

@@ -355,9 +355,10 @@ impl Problem {
             is_told_of: params
                 .map(|param| told.contains(&Var::Param(param)))
                 .collect(),
-            points: match held.inputs.len() > held.firm {
-                true => Arc::new(Moved::new(model, &held.inputs)),
-                false => outer.clone(),
+            points: if held.inputs.len() > held.firm {
+                Arc::new(Moved::new(model, &held.inputs))
+            } else {
+                outer.clone()
             },
             outer,
             held,
