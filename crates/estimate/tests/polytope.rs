@@ -47,7 +47,7 @@ fn motor(rng: &mut Rng, count: usize, (tells_rest, is_clear): (bool, bool)) -> R
         rng.between(0.05, 0.25),
     ];
     let around = |x: f64| {
-        let ends = [0.7 * x, 1.4 * x].map(|x| format!("{x:.4}"));
+        let ends = [0.9 * x, 1.1 * x].map(|x| format!("{x:.4}"));
         if x < 0.0 {
             [ends[1].clone(), ends[0].clone()]
         } else {
