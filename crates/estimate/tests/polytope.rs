@@ -255,7 +255,12 @@ fn fewer_rows_leave_more() {
         let mut rng = Rng(number("VERIBOUND_SEED", 1) * 31 + round);
         let record = motor(&mut rng, 900, (true, true));
         let whole = IdentifyOptions::default();
-        let found = identify(&record.model, &[record.samples.clone()], &whole, &|_| true);
+        let found = identify(
+            &record.model,
+            std::slice::from_ref(&record.samples),
+            &whole,
+            &|_| true,
+        );
         let mut all = Vec::new();
         for rows in [8, 32, 128] {
             let options = ObserverOptions { rows, ..options() };
