@@ -47,7 +47,7 @@ fn motor(rng: &mut Rng, count: usize, (tells_rest, is_clear): (bool, bool)) -> R
         rng.between(0.05, 0.25),
     ];
     let around = |x: f64| {
-        let ends = [0.7 * x, 1.4 * x].map(|x| format!("{x:.4}"));
+        let ends = [0.9 * x, 1.1 * x].map(|x| format!("{x:.4}"));
         if x < 0.0 {
             [ends[1].clone(), ends[0].clone()]
         } else {
@@ -255,7 +255,12 @@ fn fewer_rows_leave_more() {
         let mut rng = Rng(number("VERIBOUND_SEED", 1) * 31 + round);
         let record = motor(&mut rng, 900, (true, true));
         let whole = IdentifyOptions::default();
-        let found = identify(&record.model, &[record.samples.clone()], &whole, &|_| true);
+        let found = identify(
+            &record.model,
+            std::slice::from_ref(&record.samples),
+            &whole,
+            &|_| true,
+        );
         let mut all = Vec::new();
         for rows in [8, 32, 128] {
             let options = ObserverOptions { rows, ..options() };
