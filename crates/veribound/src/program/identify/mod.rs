@@ -27,7 +27,7 @@ use veribound_estimate::identify::{
 use veribound_interval::Interval;
 use veribound_interval::text::upper;
 use veribound_model::diagnostic::{Diagnostic, Diagnostics};
-use veribound_model::{Model, Sample};
+use veribound_model::{Input, Model, Sample};
 
 /// The records of a run, and all that was read from them.
 pub struct Data {
@@ -121,6 +121,13 @@ impl Prepared {
         bar: &mut dyn FnMut(&TableSource) -> ProgressBar,
     ) -> Result<Prepared, Diagnostics> {
         let mut said = assumptions::weaken(&mut model, &arguments.weakening)?;
+        let is_uncertain = |input: &Input| {
+            let error = &input.error;
+            input.within.is_some() || !error.absolute.is_zero() || !error.relative.is_zero()
+        };
+        if arguments.least_disturbance && !model.inputs.iter().any(is_uncertain) {
+            return Err(nothing_uncertain().into());
+        }
         let data = Data::read(sources, &model, &arguments.reading, bar)?;
         said.extend(reading::assumed(&model, &data.records, &arguments.reading));
         Ok(Prepared { model, data, said })
@@ -265,6 +272,13 @@ fn or_prior(found: &[Bounds], priors: impl Iterator<Item = Interval>) -> Vec<Bou
         .collect()
 }
 
+fn nothing_uncertain() -> Diagnostic {
+    let message =
+        "no input has an error, and there is no disturbance, whose least size could be told";
+    Diagnostic::new("E0617", message)
+        .help("declare one, as with `--input-error u=1%`, or leave out `--least-disturbance`")
+}
+
 /// Lets the estimator work.
 fn find(
     (model, data): (&Model, &Data),
@@ -301,10 +315,7 @@ fn find(
     if arguments.least_disturbance && !identified.interrupted {
         disturbed = least_disturbance(model, &data.samples, &options, go_on);
         if disturbed.is_none() {
-            let message = "no input has an error, and there is no disturbance, whose least size could be told";
-            return Err(Diagnostic::new("E0617", message).help(
-                "declare one, as with `--input-error u=1%`, or leave out `--least-disturbance`",
-            ));
+            return Err(nothing_uncertain());
         }
     }
     Ok(Findings {
