@@ -454,6 +454,51 @@ mod tests {
         );
     }
 
+    /// Two parts of a form that went ways of their own are in the one that they become.
+    #[test]
+    fn parts_are_in_the_joined_form() {
+        let mut draw = Draw(3);
+        for _ in 0..100 {
+            let mut base = form();
+            let monomials = Arc::clone(&base.monomials);
+            for polynomial in &mut base.states {
+                *polynomial = self::polynomial(&monomials, &mut draw, [1.0, 1.0, 0.1, 0.01]);
+            }
+            let cut = 0.5 * draw.next();
+            let mut part = |lo: f64, hi: f64| {
+                let place = Interval::new(lo, hi).unwrap();
+                let mut form = base.clone();
+                form.narrow(&[place, Interval::symmetric(1.0)]);
+                for polynomial in &mut form.states {
+                    let more = self::polynomial(&monomials, &mut draw, [1e-3; 4]);
+                    for (x, more) in polynomial.iter_mut().zip(more) {
+                        *x += more;
+                    }
+                }
+                (form, place)
+            };
+            let parts = [part(cut, 1.0), part(-1.0, cut)];
+            let slices = parts.each_ref().map(|(form, place)| (form, *place));
+            let joined = base.joined(0, &slices);
+            let rest = joined.frame.hull();
+            for (form, place) in &parts {
+                let (middle, radius) = place.mid_rad();
+                for _ in 0..20 {
+                    let own = [draw.next(), draw.next(), 0.0, 0.0];
+                    let at = [middle + radius * own[0], own[1], 0.0, 0.0];
+                    for state in 0..2 {
+                        let there = value(&monomials, &form.states[state], &own);
+                        let near = value(&monomials, &joined.states[state], &at);
+                        let rest = rest[state].inflate(1e-13);
+                        assert!(rest.contains(there - near), "{there} {near} {rest}");
+                    }
+                }
+            }
+            // Terms of the first that are small in its narrow part are larger in the other.
+            assert!(rest.iter().all(|x| x.mag() < 0.5), "{rest:?}");
+        }
+    }
+
     /// Where a polynomial that grows with the new unknown is zero.
     #[test]
     fn zeros_are_found() {
