@@ -314,7 +314,9 @@ fn chains(options: FormOptions, effort: Effort) {
         });
         let stretches: Vec<Stretch> = stretches.collect();
         let begin = (Instant::now(), processor_time());
-        let last = flow.enclose(&start, &params, &stretches, options, effort);
+        // One part tells how long a step takes as well as many.
+        let alone = Effort { parts: 1, ..effort };
+        let last = flow.enclose(&start, &params, &stretches, options, alone);
         let seconds = seconds_since(begin);
         let each = seconds * 1e3 / last.steps as f64;
         let power = before.map_or(String::new(), |(fewer, less)| {

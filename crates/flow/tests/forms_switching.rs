@@ -209,10 +209,11 @@ fn dependence_survives_friction_under_a_sampled_sine() {
     let hulls = motor.hulls(FormOptions::default());
     let [inner, outer] = hulls[999];
     let ratios = [0, 1].map(|i| outer[i].width() / inner[i].width());
-    assert!(ratios[0] < 1.06 && ratios[1] < 1.001, "{ratios:?}");
-    // While solutions stop one after the other, the levels of all those samples are one interval.
-    let largest = worst(&hulls, 0.05);
-    assert!(largest[0].0 < 1.05 && largest[1].0 < 1.05, "{largest:?}");
+    assert!(ratios[0] < 1.001 && ratios[1] < 1.001, "{ratios:?}");
+    // At every sample, also at those during which solutions stop one after the other, and where all have come back to about
+    // where they were.
+    let largest = worst(&hulls, 1e-9);
+    assert!(largest[0].0 < 1.5 && largest[1].0 < 1.5, "{largest:?}");
 }
 
 /// Eighty seconds with all stops and reversals: the hull at every sample.

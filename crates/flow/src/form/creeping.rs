@@ -171,6 +171,27 @@ impl Journey<'_> {
         Some((held, leaving))
     }
 
+    /// Lets solutions creep that rest, where it is not known whether they leave; nothing happens where they may do something else.
+    pub(super) fn creep_from_rest(&mut self) {
+        let find = || {
+            let undecided = self.regime().err()??;
+            let mut field = self.field()?;
+            let signs = self.signs(&field);
+            let (hold, leaving) = self.leaving(&mut field, signs, &undecided)?;
+            // Nobody is behind the surface.
+            let place = (leaving.surface, leaving.way.or(Signs::ZERO));
+            let held = Acting::new(self.flow, hold, &self.form);
+            Some((place, Creep::new(&held, leaving, self.form.clone())?))
+        };
+        let Some(((surface, known), creep)) = find() else {
+            return;
+        };
+        if let Some(signs) = self.form.signs.get_mut(surface) {
+            *signs = known;
+        }
+        self.creep = Some(creep);
+    }
+
     /// Goes on to the end of the stretch.
     pub(super) fn creep_on(&mut self, creep: Creep) -> Option<()> {
         let inputs = self.inputs();
@@ -383,8 +404,89 @@ impl Journey<'_> {
     /// Whether what is watched has its sign on a form.
     pub(super) fn has_sign(&self, form: &Form, watch: Watch, inputs: &[Interval]) -> bool {
         let value = form.evaluate(&self.flow.quantity(watch.expr), inputs);
-        value.is_ok_and(|(polynomial, off)| {
-            Signs::strict(around(&polynomial).inflate(off)) == Some(watch.sign)
-        })
+        value.is_ok_and(|(polynomial, off)| form.sign(&polynomial, off) == Some(watch.sign))
+    }
+}
+
+#[cfg(test)]
+#[allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+mod tests {
+    use super::*;
+    use crate::form::flow::Flow;
+    use crate::form::run::Stretch;
+    use crate::form::set::FormOptions;
+    use veribound_model::Model;
+
+    /// How far solutions of a body with friction creep that rests at `x` and may leave, in `seconds` of two stretches.
+    fn spread(pull: &str, x: f64, friction: [f64; 2], seconds: f64) -> (Vec<Interval>, bool) {
+        let text = format!(
+            "format = 1\nstates = [\"x\", \"v\"]\n[init]\nx = 0\nv = 0\n[params]\nc = [0, 2]\n[let]\npull = \"{pull}\"\n\
+             [der]\nx = \"v\"\nv = \"pull - 2*v - friction(v, pull, c)\"\n[outputs]\ny = \"x +- 1\"\n"
+        );
+        let model = Model::from_text("creep", text);
+        let model = model.unwrap_or_else(|problems| panic!("{}", problems.render(false)));
+        let flow = Flow::new(&model);
+        let c = Interval::new(friction[0], friction[1]).unwrap();
+        let start = [Interval::point(x), Interval::ZERO];
+        let form = flow.start(&start, &[c], FormOptions::default());
+        let stretch = Stretch {
+            inputs: Vec::new(),
+            dt: Interval::point(seconds),
+        };
+        let stretches = [stretch.clone(), stretch];
+        let mut journey = Journey::new(&flow, form, &stretches);
+        journey.is_border = true;
+        journey.creep_from_rest();
+        let creep = journey.creep.take().unwrap();
+        let crept = journey.crept(creep, &[], seconds).unwrap();
+        (crept.spread, crept.is_final)
+    }
+
+    /// Under a pull of 1 that friction of 0.9 to 1.1 may hold or not, the fastest has friction 0.9: against its exact
+    /// solution `v = 0.05 (1 - exp(-2 t))`.
+    #[test]
+    fn bounds_of_those_that_leave_are_those_of_the_fastest() {
+        for seconds in [0.01_f64, 0.05, 0.2] {
+            let (spread, is_final) = spread("1", 0.0, [0.9, 1.1], seconds);
+            let decayed = -(-2.0 * seconds).exp_m1();
+            let (speed, way) = (0.05 * decayed, 0.05 * (seconds - 0.5 * decayed));
+            let (x, v) = (spread[0], spread[1]);
+            assert!(!is_final && v.lo() == 0.0 && x.lo() == 0.0);
+            // A constant bound of the rate, and of the speed.
+            assert!(
+                v.hi() >= speed && v.hi() < (1.05 + 1.1 * seconds) * speed,
+                "{v} {speed}"
+            );
+            assert!(x.hi() >= way && x.hi() < 3.5 * way, "{x} {way}");
+        }
+    }
+
+    /// A spring that is stretched to where friction of 0.9 to 1.1 may hold it: the farthest anybody comes, against the motion without
+    /// damping from the middle of which it is a half, and with it by fine steps.
+    #[test]
+    fn work_bounds_how_far_anybody_comes() {
+        let (spread, is_final) = spread("-x", 1.0, [0.9, 1.1], 30.0);
+        let (mut x, mut v, h) = (1.0_f64, 0.0_f64, 1e-5);
+        let mut fastest = 0.0_f64;
+        while v <= 0.0 {
+            let rate = |x: f64, v: f64| -x - 2.0 * v + 0.9;
+            let middle = (x + 0.5 * h * v, v + 0.5 * h * rate(x, v));
+            (x, v) = (x + h * middle.1, v + h * rate(middle.0, middle.1));
+            fastest = fastest.max(-v);
+            if v.abs() < 1e-9 && x < 0.95 {
+                break;
+            }
+        }
+        let (way, speed) = (spread[0], spread[1]);
+        assert!(is_final && way.hi() == 0.0 && speed.hi() == 0.0);
+        assert!(way.lo() <= x - 1.0 && way.lo() > -0.25, "{way} {x}");
+        assert!(
+            speed.lo() <= -fastest && speed.lo() > -0.12,
+            "{speed} {fastest}"
+        );
     }
 }

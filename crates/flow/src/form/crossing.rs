@@ -20,7 +20,7 @@
 //!
 //! So dependence on the unknowns survives, also in second and higher order; `DR + J ∇e / G` is the saltation matrix, which
 //! erases what capture into a surface erases. Inputs that change during the window are taken as any
-//! function within their hull, so that a set that straddles a sample is not torn.
+//! function within their hull, where they are not taken sample by sample (`sampled.rs`); so a set that straddles a sample is not torn.
 //!
 //! A surface that is held is left where a watched rate off it changes its sign: `e` is that rate then.
 //! Afterwards `e` goes on growing along both right-hand sides, so nothing is held any more, and the side
@@ -63,15 +63,15 @@ impl Beyond {
 }
 
 /// What happens on the surface.
-struct Passage {
-    regime: Regime,
+pub(super) struct Passage {
+    pub(super) regime: Regime,
     jump: Option<usize>,
     /// The rates afterwards, near the surface.
-    rates: Vec<Interval>,
+    pub(super) rates: Vec<Interval>,
     /// How far solutions go between crossing and the time computed for it.
     nearby: Vec<Interval>,
     /// What moves solutions away that may not be held.
-    leaving: Option<Leaving>,
+    pub(super) leaving: Option<Leaving>,
 }
 
 /// What comes after a surface.
@@ -88,6 +88,10 @@ impl Journey<'_> {
     /// not proved.
     pub(super) fn cross(&mut self, acting: &mut Acting, watch: usize, unit: f64) -> Option<()> {
         let (root, spread) = acting.estimate(watch, unit)?;
+        let window = root + (0.5 + SPARE[0]) * spread;
+        if self.cross_by_samples(acting, watch, window).is_some() {
+            return Some(());
+        }
         SPARE
             .iter()
             .find_map(|spare| self.cross_within(acting, watch, (root, spread, *spare)))
@@ -100,36 +104,16 @@ impl Journey<'_> {
         (root, spread, spare): (f64, f64, f64),
     ) -> Option<()> {
         let flow = self.flow;
-        let probe = acting.piece.probes[watch].clone();
         let seconds = root + (0.5 + spare) * spread;
         let (inputs, seconds) = self.window(seconds, root + 0.5 * spread)?;
-        let steady = acting.steady(&inputs);
-        if !steady[watch] || !acting.holds_on(&inputs) {
+        if !acting.steady(&inputs)[watch] || !acting.holds_on(&inputs) {
             return None;
         }
         let begin = &self.form;
         let prepared = acting.prepare_seconds(begin, &inputs, seconds)?;
         let (unit, span) = (prepared.unit, prepared.bounds.span);
-        let regime = &acting.regime;
-        let others = (0..regime.watches.len()).filter(|other| *other != watch);
-        for other in others {
-            let calm = acting.piece.first_trouble(
-                (&acting.scratch, &begin.monomials),
-                (other, regime.watches[other].sign, steady[other]),
-                span,
-            );
-            if calm.is_some() {
-                return None;
-            }
-        }
-        let asked = regime.watches[watch];
-        let whole = Interval::new(0.0, span)?;
-        let speed = acting
-            .piece
-            .during(&acting.scratch, &begin.monomials, probe.rate, whole);
-        if Signs::strict(speed)? != asked.sign.flipped() {
-            return None;
-        }
+        let asked = acting.regime.watches[watch];
+        let speed = acting.speed_across(begin, &inputs, watch, span)?;
         let scaled = acting.times(begin, watch, root / unit)?;
         let times = range(&begin.monomials, &scaled);
         if times.lo() < 0.0 || times.hi() > span {
@@ -137,13 +121,14 @@ impl Journey<'_> {
         }
         let end = End::Own {
             scaled: scaled.clone(),
+            last: span,
         };
         let arrival = acting
             .piece
             .arrival(begin, &acting.scratch, &prepared, &end)
             .ok()?;
         let deviation = arrival.deviation(&begin.frame.hull());
-        let slopes = acting.piece.slopes_of(&acting.scratch, &probe);
+        let slopes = acting.slopes_of(watch);
         let left_over = acting.left_over(begin, watch, &scaled);
         let off = slopes
             .iter()
@@ -209,7 +194,7 @@ impl Journey<'_> {
     }
 
     /// The level of a state that all solutions cross to and stay on.
-    fn captured(&self, asked: Watch, passage: &Passage) -> Option<Captured> {
+    pub(super) fn captured(&self, asked: Watch, passage: &Passage) -> Option<Captured> {
         let Reason::Side { surface } = asked.reason else {
             return None;
         };
@@ -225,7 +210,7 @@ impl Journey<'_> {
     }
 
     /// The hull of the inputs from now on for at least `least` and at most `seconds`, and for how long.
-    fn window(&self, seconds: f64, least: f64) -> Option<(Vec<Interval>, f64)> {
+    pub(super) fn window(&self, seconds: f64, least: f64) -> Option<(Vec<Interval>, f64)> {
         let mut inputs = self.inputs().to_vec();
         let mut reach = self.left;
         for stretch in &self.stretches[self.current + 1..] {
@@ -247,7 +232,7 @@ impl Journey<'_> {
     /// What happens on the surface.
     ///
     /// Errors: what is undecided there, if only that stands in the way.
-    fn passage(
+    pub(super) fn passage(
         &self,
         (acting, inputs): (&Acting, &[Interval]),
         asked: Watch,
@@ -463,7 +448,7 @@ impl Journey<'_> {
     }
 
     /// The form at the time of its own for every `δ`, on the other right-hand side.
-    fn landed(
+    pub(super) fn landed(
         &self,
         (acting, inputs): (&Acting, &[Interval]),
         arrival: &Arrival,
@@ -545,36 +530,15 @@ impl Journey<'_> {
         (rest, unit): (Vec<f64>, f64),
         passage: &Passage,
     ) -> Option<(Form, (Form, Prepared))> {
-        let monomials = &form.monomials;
         let longest = around(&rest).hi() * unit;
         let prepared = next.prepare_seconds(&form, inputs, raised(longest, 2))?;
-        if !prepared.last {
+        if !prepared.last || !next.lasts((&form, inputs), &prepared, asked, passage) {
             return None;
-        }
-        let steady = next.steady(inputs);
-        let span = prepared.bounds.span;
-        for (watch, own) in next.regime.watches.iter().enumerate() {
-            let place = (&next.scratch, &**monomials);
-            let leaving = passage.leaving.as_ref();
-            let is_left = leaving.is_some_and(|leaving| leaving.asks(own));
-            let is_safe = if is_left || follows(asked, *own) {
-                true
-            } else if own.reason == asked.reason && own.expr == asked.expr {
-                let rate = next.piece.probes[watch].rate;
-                let whole = Interval::new(0.0, span)?;
-                let rate = next.piece.during(&next.scratch, monomials, rate, whole);
-                steady[watch] && Signs::strict(rate) == Some(own.sign)
-            } else {
-                let own = (watch, own.sign, steady[watch]);
-                next.piece.first_trouble(place, own, span).is_none()
-            };
-            if !is_safe {
-                return None;
-            }
         }
         let ratio = unit / prepared.unit;
         let end = End::Own {
             scaled: rest.iter().map(|x| x * ratio).collect(),
+            last: prepared.bounds.span,
         };
         let arrival = next
             .piece
@@ -666,7 +630,7 @@ impl Journey<'_> {
                 let is_ahead = since.hi() <= times.hi() + apart;
                 let arriving = match (&captured, &before) {
                     (Some(captured), Some(place)) if is_ahead => {
-                        Some(captured.arriving(place, &self.form))
+                        Some(captured.arriving(&place.clone().of(&self.form)))
                     }
                     _ => None,
                 };
@@ -727,7 +691,7 @@ impl Journey<'_> {
     ///
     /// Those that cross up to `apart` before the time computed for them are told by how far any goes in
     /// that time.
-    fn late(
+    pub(super) fn late(
         &self,
         (next, second, after): (&Acting, &Form, &Prepared),
         (scaled, unit): (&[f64], f64),
@@ -743,7 +707,10 @@ impl Journey<'_> {
             (since - Interval::point(middle)).mag() + 4.0 * f64::EPSILON * size,
             4,
         );
-        let end = End::Own { scaled: own };
+        let end = End::Own {
+            scaled: own,
+            last: after.bounds.span,
+        };
         let mut place = next
             .piece
             .arrival(second, &next.scratch, after, &end)
@@ -758,7 +725,7 @@ impl Journey<'_> {
     }
 
     /// Cuts a box of states with what is known of the surfaces.
-    fn clip(&self, signs: &[Signs], states: &mut [Interval]) {
+    pub(super) fn clip(&self, signs: &[Signs], states: &mut [Interval]) {
         if states.is_empty() {
             return;
         }
@@ -793,6 +760,14 @@ impl Acting {
     /// About when the middle of the set meets the zero of what is watched, and how long the whole set takes,
     /// in seconds.
     fn estimate(&self, watch: usize, unit: f64) -> Option<(f64, f64)> {
+        let (root, speed) = self.root(watch, unit);
+        let takes = self.spread(watch) / speed;
+        (root >= 0.0 && root.is_finite() && takes.is_finite()).then_some((root, takes))
+    }
+
+    /// About when the middle of the set meets the zero of what is watched, before or after the start, in seconds,
+    /// and how fast.
+    pub(super) fn root(&self, watch: usize, unit: f64) -> (f64, f64) {
         let probe = &self.piece.probes[watch];
         let [value, rate] = [probe.value, probe.rate].map(|register| {
             let top = self.scratch.errors.sizes[register].top;
@@ -803,12 +778,76 @@ impl Acting {
         for _ in 0..12 {
             s -= at(&value, s) / (at(&rate, s) * unit);
         }
-        let takes = self.spread(watch) / at(&rate, s).abs();
-        (s >= 0.0 && s.is_finite() && takes.is_finite()).then_some((s * unit, takes))
+        (s * unit, at(&rate, s).abs())
+    }
+
+    /// Whether the next regime goes on to the end of a prepared step, from the surface that was `asked` for.
+    pub(super) fn lasts(
+        &self,
+        (form, inputs): (&Form, &[Interval]),
+        prepared: &Prepared,
+        asked: Watch,
+        passage: &Passage,
+    ) -> bool {
+        let steady = self.steady(inputs);
+        let span = prepared.bounds.span;
+        let mut watches = self.regime.watches.iter().enumerate();
+        watches.all(|(watch, own)| {
+            let leaving = passage.leaving.as_ref();
+            if leaving.is_some_and(|leaving| leaving.asks(own)) || follows(asked, *own) {
+                return true;
+            }
+            if own.reason == asked.reason && own.expr == asked.expr {
+                let rate = self.piece.probes[watch].rate;
+                let whole = Interval::new(0.0, span).unwrap_or(Interval::ENTIRE);
+                let rate = self
+                    .piece
+                    .during(&self.scratch, &form.monomials, rate, whole);
+                return steady[watch] && Signs::strict(rate) == Some(own.sign);
+            }
+            let place = (&self.scratch, &*form.monomials);
+            let own = (watch, own.sign, steady[watch]);
+            self.piece.first_trouble(place, own, span).is_none()
+        })
+    }
+
+    /// The rate of what is watched at all times of a prepared step, if it moves towards its zero at all of them, and
+    /// nothing else that is watched may change its sign.
+    pub(super) fn speed_across(
+        &self,
+        form: &Form,
+        inputs: &[Interval],
+        watch: usize,
+        span: f64,
+    ) -> Option<Interval> {
+        let steady = self.steady(inputs);
+        let others = self.regime.watches.iter().enumerate();
+        let mut others = others.filter(|(other, _)| *other != watch);
+        let place = (&self.scratch, &*form.monomials);
+        let all_calm = others.all(|(other, asked)| {
+            let asked = (other, asked.sign, steady[other]);
+            self.piece.first_trouble(place, asked, span).is_none()
+        });
+        if !all_calm {
+            return None;
+        }
+        let whole = Interval::new(0.0, span)?;
+        let rate = self.piece.probes[watch].rate;
+        let speed = self
+            .piece
+            .during(&self.scratch, &form.monomials, rate, whole);
+        let falls = Signs::strict(speed)? == self.regime.watches[watch].sign.flipped();
+        falls.then_some(speed)
+    }
+
+    /// How what is watched depends on the states, at all times of a prepared step.
+    pub(super) fn slopes_of(&self, watch: usize) -> Vec<Interval> {
+        let probe = &self.piece.probes[watch];
+        self.piece.slopes_of(&self.scratch, probe)
     }
 
     /// A prepared step of at most so many seconds.
-    fn prepare_seconds(
+    pub(super) fn prepare_seconds(
         &mut self,
         form: &Form,
         inputs: &[Interval],
@@ -819,7 +858,7 @@ impl Acting {
     }
 
     /// Scaled times at which what is watched is nearly zero, as polynomial in the unknowns.
-    fn times(&self, form: &Form, watch: usize, root: f64) -> Option<Vec<f64>> {
+    pub(super) fn times(&self, form: &Form, watch: usize, root: f64) -> Option<Vec<f64>> {
         let probe = &self.piece.probes[watch];
         let top = self.scratch.errors.sizes[probe.value].top;
         let block = self.scratch.series.block(probe.value);
@@ -842,7 +881,7 @@ impl Acting {
     }
 
     /// What is watched, at these times and where nothing deviates.
-    fn left_over(&self, form: &Form, watch: usize, times: &[f64]) -> Interval {
+    pub(super) fn left_over(&self, form: &Form, watch: usize, times: &[f64]) -> Interval {
         let register = self.piece.probes[watch].value;
         let top = self.scratch.errors.sizes[register].top;
         let block = self.scratch.series.block(register);
@@ -855,7 +894,7 @@ impl Acting {
 
 impl Arrival {
     /// How far solutions can be from the polynomials; `rest` is what dependence could not keep before.
-    fn deviation(&self, rest: &[Interval]) -> Vec<Interval> {
+    pub(super) fn deviation(&self, rest: &[Interval]) -> Vec<Interval> {
         let rows = self.map.chunks_exact(rest.len());
         let moved = rows.map(|row| {
             let terms = row.iter().zip(rest);
@@ -871,14 +910,18 @@ impl Arrival {
         Place {
             deviation: self.deviation(&before.frame.hull()),
             states: self.states,
+            during: self.during,
         }
     }
 }
 
 /// Where states are at one time of a window: polynomials in the unknowns, and how far from them.
-struct Place {
+#[derive(Clone)]
+pub(super) struct Place {
     states: Vec<Vec<f64>>,
     deviation: Vec<Interval>,
+    /// At all times of the step that leads there.
+    pub(super) during: Vec<Interval>,
 }
 
 impl Place {
@@ -898,7 +941,7 @@ impl Place {
     }
 
     /// A form of the same unknowns as `form`, there.
-    fn of(self, form: &Form) -> Form {
+    pub(super) fn of(self, form: &Form) -> Form {
         let mut copy = form.clone();
         copy.states = self.states;
         copy.frame = Frame::upright(self.deviation);
@@ -908,21 +951,22 @@ impl Place {
 
 /// A level that a state is captured by.
 #[derive(Clone, Copy)]
-struct Captured {
-    state: usize,
-    value: Interval,
+pub(super) struct Captured {
+    pub(super) state: usize,
+    pub(super) value: Interval,
     /// Solutions come to it from above.
     from_above: bool,
 }
 
 impl Captured {
-    /// Where the state would be if it were not captured, before or after the crossing, as in `place`.
-    fn arriving(&self, place: &Place, form: &Form) -> Arriving {
-        let (polynomial, rest) = (&place.states[self.state], place.deviation[self.state]);
+    /// Where the state would be if it were not captured, before or after the crossing, as in `ahead`.
+    pub(super) fn arriving(&self, ahead: &Form) -> Arriving {
+        let polynomial = &ahead.states[self.state];
+        let rest = ahead.frame.hull()[self.state];
         Arriving {
             state: self.state,
             level: self.value,
-            ahead: form.straight(polynomial, rest),
+            ahead: ahead.straight(polynomial, rest),
             from_above: self.from_above,
         }
     }

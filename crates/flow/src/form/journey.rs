@@ -93,6 +93,11 @@ impl Acting {
         self.held.iter().all(|input| inputs[*input].is_point())
     }
 
+    /// Whether neither what is watched nor what is held is moved by an input.
+    pub(super) fn is_of_states(&self, watch: usize) -> bool {
+        self.held.is_empty() && self.inputs[watch].is_empty()
+    }
+
     /// Whether it may end with the next values of the inputs.
     fn depends_on_inputs(&self) -> bool {
         !self.held.is_empty() || self.inputs.iter().any(|inputs| !inputs.is_empty())
@@ -107,6 +112,13 @@ pub(super) struct Place {
     begin: Interval,
     before: Vec<Interval>,
     proved: Mark,
+}
+
+/// A form at the end of a stretch, and where it is.
+struct Ended {
+    states: Vec<Vec<f64>>,
+    rest: Vec<Interval>,
+    hull: Vec<Interval>,
 }
 
 /// So many of the last places are remembered.
@@ -186,6 +198,8 @@ pub(super) struct Journey<'a> {
     /// The stretch at hand, and what is left of it.
     pub(super) current: usize,
     pub(super) left: Interval,
+    /// The stretch before which it ends.
+    pub(super) until: usize,
     /// Whether the form itself must be at the end of the last stretch, and not only a box around it.
     pub(super) whole_at_end: bool,
     /// It is a failure when the share of a width that is no function of the unknowns passes this.
@@ -211,6 +225,8 @@ pub(super) struct Journey<'a> {
     pub(super) chains: Chains,
     /// How many parts a set may be divided into where outcomes part.
     pub(super) may_part: usize,
+    /// How many parts there are besides.
+    pub(super) others: usize,
     /// Whether outcomes part somewhere in this set, so near to everywhere that no smaller part is worth it.
     pub(super) is_border: bool,
     /// The last places on the way through one regime.
@@ -218,9 +234,11 @@ pub(super) struct Journey<'a> {
     /// Where outcomes part, if a crossing failed for that.
     pub(super) undecided: Option<Undecided>,
     /// The parts, if the form was divided instead of moved.
-    pub(super) parts: Vec<Portion>,
+    pub(super) parts: Vec<Journey<'a>>,
     /// Solutions that may creep away from where they stand.
     pub(super) creep: Option<Creep>,
+    /// The end of the last stretch: what stands need not be bounded again.
+    ended: Option<Ended>,
     begin: Interval,
     before: Vec<Interval>,
 }
@@ -233,16 +251,19 @@ impl<'a> Journey<'a> {
             torn: vec![0.0; form.unknowns.len()],
             chains: Chains::default(),
             may_part: 1,
+            others: 0,
             is_border: false,
             earlier: VecDeque::new(),
             undecided: None,
             parts: Vec::new(),
             creep: None,
+            ended: None,
             flow,
             stretches,
             form,
             current: 0,
             left: Interval::ZERO,
+            until: stretches.len(),
             whole_at_end: false,
             most: f64::INFINITY,
             proved: Proved::default(),
@@ -331,14 +352,10 @@ impl<'a> Journey<'a> {
     /// failure the form stands somewhere on the way.
     pub(super) fn run(&mut self) -> Result<(), Diverged> {
         self.meet_form();
-        while self.current < self.stretches.len() {
+        while self.current < self.until {
             if self.left.hi() <= 0.0 {
                 self.form.elapsed = self.begin + self.stretches[self.current].dt;
-                // Who meets the form asks it for what is wanted.
-                let end = match self.meet {
-                    Some(_) => self.form.quick_hull(),
-                    None => self.form.hull(),
-                };
+                let end = self.end_hull();
                 self.proved.end(end.clone(), self.form.tube.clone());
                 if self.acting.as_ref().is_some_and(Acting::depends_on_inputs) {
                     self.acting = None;
@@ -384,6 +401,45 @@ impl<'a> Journey<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Encloses the states at the end of a stretch.
+    fn end_hull(&mut self) -> Vec<Interval> {
+        // Who meets the form asks it for what is wanted.
+        if self.meet.is_some() {
+            return self.form.quick_hull();
+        }
+        let rest = self.form.frame.hull();
+        if let Some(known) = &self.ended
+            && known.states == self.form.states
+            && known.rest == rest
+        {
+            return known.hull.clone();
+        }
+        let hull = self.form.hull();
+        self.ended = Some(Ended {
+            states: self.form.states.clone(),
+            rest,
+            hull: hull.clone(),
+        });
+        hull
+    }
+
+    /// Whether it stands at the begin of a stretch.
+    pub(super) fn is_at(&self, stretch: usize) -> bool {
+        let whole = self.stretches.get(stretch);
+        self.current == stretch && self.left == whole.map_or(Interval::ZERO, |stretch| stretch.dt)
+    }
+
+    /// Goes on with another form of other unknowns, from the begin of the stretch at hand; nothing that was certain of the one before
+    /// is of this one.
+    pub(super) fn restart(&mut self, form: Form) {
+        let elapsed = self.form.elapsed;
+        self.form = form;
+        self.form.elapsed = elapsed;
+        (self.acting, self.certain, self.ended) = (None, None, None);
+        self.earlier.clear();
+        self.enter(self.current);
     }
 
     /// Shows the form at the begin of the stretch at hand.
@@ -449,9 +505,23 @@ impl<'a> Journey<'a> {
     pub(super) fn fork(&self, portion: Portion) -> Journey<'a> {
         Journey {
             is_border: portion.is_border,
-            chains: Chains::default(),
-            form: portion.form,
             proved: self.proved.fork(),
+            tells_outputs: self.tells_outputs,
+            may_part: self.may_part,
+            most: self.most,
+            ..self.beside(portion.form)
+        }
+    }
+
+    /// A journey with this form from here on, of which nobody is told.
+    pub(super) fn beside(&self, form: Form) -> Journey<'a> {
+        Journey {
+            chains: Chains::default(),
+            form,
+            proved: Proved::default(),
+            tells_outputs: false,
+            may_part: 1,
+            most: f64::INFINITY,
             torn: self.torn.clone(),
             before: self.before.clone(),
             acting: None,
@@ -463,6 +533,7 @@ impl<'a> Journey<'a> {
             undecided: None,
             parts: Vec::new(),
             creep: None,
+            ended: None,
             ..*self
         }
     }
@@ -475,10 +546,18 @@ impl<'a> Journey<'a> {
             return Ok(());
         }
         if self.acting.is_none() {
-            let regime = self.regime();
-            self.acting = match regime {
-                Some(regime) => Some(Acting::new(self.flow, regime, &self.form)),
-                None => self.certain.take(),
+            self.acting = match self.regime() {
+                Ok(regime) => Some(Acting::new(self.flow, regime, &self.form)),
+                Err(undecided) => {
+                    let certain = self.certain.take();
+                    if let (None, Some(undecided)) = (&certain, undecided)
+                        && self.left == self.stretches[self.current].dt
+                        && self.part_at_rest(&undecided).is_some()
+                    {
+                        return Ok(());
+                    }
+                    certain
+                }
             };
         }
         self.certain = None;
@@ -489,27 +568,37 @@ impl<'a> Journey<'a> {
     }
 
     /// The regime that is certain now.
-    fn regime(&self) -> Option<Regime> {
+    ///
+    /// Errors: what decides whether solutions leave the one surface that they rest on, if only that stands in the way.
+    pub(super) fn regime(&self) -> Result<Regime, Option<Undecided>> {
+        let smooth = || self.flow.resolve(None, &[]).ok_or(None);
         if self.flow.is_smooth() {
-            return self.flow.resolve(None, &[]);
+            return smooth();
         }
         let Some(mut field) = self.field() else {
-            return self.flow.resolve(None, &[]);
+            return smooth();
         };
         let signs = self.signs(&field);
         let form = || self.form.clone();
         let found = self.resolve_on((&mut field, &signs), &form, self.inputs());
-        found.ok()
+        found.map_err(|open| {
+            let surface = open.first()?.surface;
+            let alone = open.iter().all(|other| other.surface == surface);
+            if !alone || signs[surface] != Signs::ZERO {
+                return None;
+            }
+            self.undecided_at(surface, &field, &signs, open)
+        })
     }
 
     /// Surfaces and right-hand sides on a box around the form.
-    fn field(&self) -> Option<Field> {
+    pub(super) fn field(&self) -> Option<Field> {
         let quantities = self.quantities(&self.form.quick_hull(), self.inputs());
         self.flow.switching.field(&quantities)
     }
 
     /// What is known of the surfaces now: what was, and what the box of `field` says.
-    fn signs(&self, field: &Field) -> Vec<Signs> {
+    pub(super) fn signs(&self, field: &Field) -> Vec<Signs> {
         self.flow
             .switching
             .narrowed(field.signs(), &self.form.signs)

@@ -9,7 +9,6 @@
     reason = "PROOF: one sign per surface, surfaces by their positions in the list"
 )]
 
-use super::ahead::around;
 use super::journey::Journey;
 use super::regime::{Field, Regime};
 use super::set::Form;
@@ -53,7 +52,7 @@ impl Journey<'_> {
             if is_open
                 && known.level.is_none()
                 && let Some((polynomial, off)) = value(known.expr)
-                && let Some(sign) = Signs::strict(around(&polynomial).inflate(off))
+                && let Some(sign) = form.sign(&polynomial, off)
             {
                 signs[surface] = signs[surface].and(sign);
                 progress = true;
@@ -67,7 +66,7 @@ impl Journey<'_> {
             let Some((polynomial, off)) = value(expr) else {
                 continue;
             };
-            match Signs::strict(around(&polynomial).inflate(off)) {
+            match form.sign(&polynomial, off) {
                 Some(sign) => {
                     field.drifts.push((surface, mode, sign));
                     progress = true;

@@ -17,11 +17,14 @@
     reason = "PROOF: one coefficient per monomial, unknowns by their positions"
 )]
 
+use std::sync::Arc;
+
 use super::ahead::multiply;
 use super::journey::Journey;
 use super::monomials::Monomials;
 use super::open::Open;
 use super::outward::{UNIT, raised};
+use super::range::range;
 use super::regime::{Field, Watch};
 use super::set::{Form, ParamForm};
 use super::size::Size;
@@ -37,8 +40,16 @@ const CLEAR: f64 = 16.0;
 /// Nothing is gained where the border is a larger share of all values.
 const THICK: f64 = 0.25;
 
+/// Sets are divided where they rest only while there are fewer parts: it is worth it where solutions meet again later, and each part
+/// goes all the way.
+const AT_REST: usize = 8;
+
 /// Speeds in one part differ by this factor, or by a larger one where parts are few.
 const RATIOS: [f64; 4] = [4.0, 16.0, 64.0, 256.0];
+
+/// The border of those that leave a rest is at least and at most so wide a share of one unknown.
+const BORDER: f64 = 1.0 / 16_384.0;
+const BROAD: f64 = 1.0 / 256.0;
 
 /// A remainder of the new unknown above this is too much.
 const ROUGH: f64 = 1e-3;
@@ -132,7 +143,72 @@ impl Journey<'_> {
                 is_border: number == first,
             });
         }
-        self.parts = parts;
+        self.parts = parts.into_iter().map(|part| self.fork(part)).collect();
+        Some(())
+    }
+
+    /// Divides a form that rests on a surface when a stretch begins into those solutions that stay and those that leave it in this
+    /// stretch, if there may be so many parts.
+    ///
+    /// At the end of the stretch the border is so near to the solutions that leave that it becomes one form with them.
+    pub(super) fn part_at_rest(&mut self, undecided: &Undecided) -> Option<()> {
+        if self.is_border || self.may_part < 2 || self.others + 1 >= AT_REST {
+            return None;
+        }
+        let open = &undecided.open;
+        let way = undecided.way?;
+        let (v, lo, hi, grows) = self.form.zeros_along(&open.polynomial, open.off)?;
+        let leaves_above = (way == Signs::POSITIVE) == grows;
+        let (stays, leaves) = if leaves_above {
+            ((-1.0, lo), (lo, 1.0))
+        } else {
+            ((hi, 1.0), (-1.0, hi))
+        };
+        let part = |form: &Form, (lo, hi): (f64, f64)| {
+            let mut unit = vec![Interval::symmetric(1.0); form.unknowns.len()];
+            unit[v] = Interval::new(lo, hi)?;
+            let mut form = form.clone();
+            form.narrow(&unit);
+            Some((form, unit[v]))
+        };
+        let (stay, _) = part(&self.form, stays)?;
+        let (mut all, place) = part(&self.form, leaves)?;
+        // The border within those that leave.
+        let (centre, radius) = place.mid_rad();
+        let (outer, inner) = if leaves_above {
+            let cut = (hi - centre) / radius;
+            ((cut, 1.0), (-1.0, cut))
+        } else {
+            let cut = (lo - centre) / radius;
+            ((-1.0, cut), (cut, 1.0))
+        };
+        all.options.absorb = f64::INFINITY;
+        let next = self.current + 1;
+        let moved = |ends: (f64, f64), is_border: bool| {
+            let (form, place) = part(&all, ends)?;
+            let mut journey = self.fork(Portion { form, is_border });
+            (journey.may_part, journey.until) = (1, next);
+            if is_border {
+                journey.creep_from_rest();
+            }
+            journey.run().ok()?;
+            (journey.is_at(next) && journey.parts.is_empty()).then_some((journey, place))
+        };
+        let (mut leaving, own) = moved(outer, false)?;
+        let (waiting, near) = moved(inner, true)?;
+        let slices = [(&leaving.form, own), (&waiting.form, near)];
+        let mut form = all.joined(v, &slices);
+        form.options = self.form.options;
+        form.settle().ok()?;
+        leaving.restart(form);
+        leaving.proved.join(&waiting.proved);
+        leaving.proved.steps += waiting.proved.steps;
+        leaving.until = self.until;
+        let stay = Portion {
+            form: stay,
+            is_border: false,
+        };
+        self.parts = vec![self.fork(stay), leaving];
         Some(())
     }
 }
@@ -163,14 +239,49 @@ struct Turned {
 }
 
 impl Form {
+    /// Where along one unknown a polynomial can be zero, up to `off`, if that is at about one value of it whatever the others are;
+    /// and whether it grows with that unknown.
+    fn zeros_along(&self, polynomial: &[f64], off: f64) -> Option<(usize, f64, f64, bool)> {
+        let monomials = &*self.monomials;
+        let slope = |v: usize| polynomial[monomials.linear(v)];
+        let v =
+            (0..self.unknowns.len()).max_by(|a, b| slope(*a).abs().total_cmp(&slope(*b).abs()))?;
+        let grows = slope(v) > 0.0;
+        let on = |lo: f64, hi: f64| {
+            let (middle, radius) = Interval::new(lo, hi)?.mid_rad();
+            let mut part = polynomial.to_vec();
+            let lost = monomials.substitute(&mut part, v, middle, radius);
+            let values = range(monomials, &part).inflate(raised(off + lost, 1));
+            Some(if grows { values } else { -values })
+        };
+        let (mut below, mut above) = (-1.0, 1.0);
+        while above - below > 0.1 * BORDER {
+            let middle = 0.5 * (below + above);
+            let middle_is_above = on(middle, middle)?.mid() > 0.0;
+            *(if middle_is_above {
+                &mut above
+            } else {
+                &mut below
+            }) = middle;
+        }
+        let mut border = BORDER.max(CLEAR * off / slope(v).abs());
+        while border < BROAD {
+            let (lo, hi) = (below - border, above + border);
+            if lo <= -1.0 || hi >= 1.0 {
+                return None;
+            }
+            if on(-1.0, lo)?.hi() < 0.0 && on(hi, 1.0)?.lo() > 0.0 {
+                return Some((v, lo, hi, grows));
+            }
+            border *= 4.0;
+        }
+        None
+    }
+
     /// The same set in other unknowns: one of them is `decider`, scaled.
     ///
     /// Guarantee: for every `δ` of the unit box the states and parameters lie in the new form, at the unknowns that belong to
     /// `δ`, which are in the unit box, too.
-    ///
-    /// Proof. The new unknown `τ` is a polynomial of which the absolute coefficients add up to at most one.
-    /// `q(τ(δ), ..) = δ_v + R` with `|R|` at most the sum `r` of absolute coefficients and what rounding and truncation take. A
-    /// polynomial `P` at `q` instead of `δ_v` differs by at most `r` times its slope for `|δ_v| <= 1 + r`.
     fn in_terms_of(&self, decider: &[f64]) -> Option<Turned> {
         let monomials = &*self.monomials;
         // Fresh unknowns are not the same at all times.
@@ -182,49 +293,8 @@ impl Form {
                 *x = 0.0;
             }
         }
-        let slope = |v: usize| decider[monomials.linear(v)];
-        let v =
-            (0..self.unknowns.len()).max_by(|a, b| slope(*a).abs().total_cmp(&slope(*b).abs()))?;
-        let own = monomials.linear(v);
-        let size: f64 = decider[1..].iter().map(|x| x.abs()).sum::<f64>() * (1.0 + 1e-9);
-        let fit = slope(v).abs() > 0.0 && size.is_finite();
-        if !fit {
-            return None;
-        }
-        // The new unknown, and the old one in terms of it and of the others.
-        let mut tau: Vec<f64> = decider.iter().map(|x| x / size).collect();
-        tau[0] = 0.0;
-        let mut old = vec![0.0; monomials.len()];
-        for _ in 0..2 * monomials.degree + 4 {
-            let (found, _) = composed(monomials, &tau, v, &old);
-            for (a, x) in old.iter_mut().enumerate() {
-                let wanted = if a == own { 1.0 } else { 0.0 };
-                *x += (wanted - found[a]) / tau[own];
-            }
-        }
-        if !old.iter().all(|x| x.is_finite()) {
-            return None;
-        }
-        let (mut rest, lost) = composed(monomials, &old, v, &tau);
-        rest[own] -= 1.0;
-        let rest: f64 = rest.iter().map(|x| x.abs() * (1.0 + 4.0 * UNIT)).sum();
-        let rest = raised(rest + lost, monomials.len() + 4);
-        if rest.is_nan() || rest >= ROUGH {
-            return None;
-        }
-        let replaced = |polynomial: &[f64]| -> (Vec<f64>, f64) {
-            let (new, lost) = composed(monomials, polynomial, v, &old);
-            let slope: f64 = polynomial
-                .iter()
-                .enumerate()
-                .map(|(a, x)| {
-                    let exponent = monomials.exponents(a)[v];
-                    f64::from(exponent) * x.abs() * (1.0 + rest).powi(exponent.into())
-                })
-                .sum();
-            let moved = raised(slope * rest, monomials.len() + 2 * monomials.degree + 8);
-            (new, raised(lost + moved, 2))
-        };
+        let turn = Turn::new(self, &decider)?;
+        let replaced = |polynomial: &[f64]| turn.replaced(polynomial);
         let mut form = self.clone();
         let mut off = Vec::with_capacity(self.states.len());
         for polynomial in &mut form.states {
@@ -238,21 +308,107 @@ impl Form {
             param.polynomial = new;
             param.radius = raised(param.radius + lost, 1);
         }
-        form.within.push(ParamForm {
-            polynomial: old.clone(),
-            radius: rest,
-        });
+        form.within.push(turn.replaced_one());
         // What decides is the new unknown, up to this.
         let (mut now, lost) = replaced(&decider);
         now[0] -= decider[0];
-        now[own] -= size;
+        now[monomials.linear(turn.unknown)] -= turn.size;
         let off: f64 = now.iter().map(|x| x.abs()).sum();
         Some(Turned {
             form,
-            unknown: v,
-            size,
+            unknown: turn.unknown,
+            size: turn.size,
             off: off + lost + fresh,
         })
+    }
+}
+
+/// Other unknowns: a polynomial `τ` in those of a form in place of one of them.
+pub(super) struct Turn {
+    monomials: Arc<Monomials>,
+    /// Which one.
+    pub(super) unknown: usize,
+    /// The new one in terms of all old ones; its absolute coefficients add up to at most one.
+    pub(super) tau: Vec<f64>,
+    /// The old one in terms of the new one and the others, and how far from that.
+    old: Vec<f64>,
+    rest: f64,
+    /// The polynomial given, less its middle, is `τ` times this.
+    pub(super) size: f64,
+}
+
+impl Turn {
+    /// The unknown that `decider` depends on most is replaced; `None` where the two do not tell each other.
+    ///
+    /// Proof. The new unknown `τ` is a polynomial of which the absolute coefficients add up to at most one.
+    /// `q(τ(δ), ..) = δ_v + R` with `|R|` at most the sum `r` of absolute coefficients and what rounding and truncation take. A
+    /// polynomial `P` at `q` instead of `δ_v` differs by at most `r` times its slope for `|δ_v| <= 1 + r`.
+    pub(super) fn new(form: &Form, decider: &[f64]) -> Option<Turn> {
+        let monomials = &form.monomials;
+        let slope = |v: usize| decider[monomials.linear(v)];
+        let unknown =
+            (0..form.unknowns.len()).max_by(|a, b| slope(*a).abs().total_cmp(&slope(*b).abs()))?;
+        let own = monomials.linear(unknown);
+        let size: f64 = decider[1..].iter().map(|x| x.abs()).sum::<f64>() * (1.0 + 1e-9);
+        let fit = slope(unknown).abs() > 0.0 && size.is_finite();
+        if !fit {
+            return None;
+        }
+        // The new unknown, and the old one in terms of it and of the others.
+        let mut tau: Vec<f64> = decider.iter().map(|x| x / size).collect();
+        tau[0] = 0.0;
+        let mut old = vec![0.0; monomials.len()];
+        for _ in 0..2 * monomials.degree + 4 {
+            let (found, _) = composed(monomials, &tau, unknown, &old);
+            for (a, x) in old.iter_mut().enumerate() {
+                let wanted = if a == own { 1.0 } else { 0.0 };
+                *x += (wanted - found[a]) / tau[own];
+            }
+        }
+        if !old.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        let (mut rest, lost) = composed(monomials, &old, unknown, &tau);
+        rest[own] -= 1.0;
+        let rest: f64 = rest.iter().map(|x| x.abs() * (1.0 + 4.0 * UNIT)).sum();
+        let rest = raised(rest + lost, monomials.len() + 4);
+        let monomials = Arc::clone(monomials);
+        let known = rest < ROUGH;
+        known.then_some(Turn {
+            monomials,
+            unknown,
+            tau,
+            old,
+            rest,
+            size,
+        })
+    }
+
+    /// The unknown that was replaced in terms of the new ones: it lies in the unit interval.
+    pub(super) fn replaced_one(&self) -> ParamForm {
+        ParamForm {
+            polynomial: self.old.clone(),
+            radius: self.rest,
+        }
+    }
+
+    /// A polynomial in the new unknowns, and how far from the one given.
+    pub(super) fn replaced(&self, polynomial: &[f64]) -> (Vec<f64>, f64) {
+        let (monomials, v) = (&*self.monomials, self.unknown);
+        let (new, lost) = composed(monomials, polynomial, v, &self.old);
+        let slope: f64 = polynomial
+            .iter()
+            .enumerate()
+            .map(|(a, x)| {
+                let exponent = monomials.exponents(a)[v];
+                f64::from(exponent) * x.abs() * (1.0 + self.rest).powi(exponent.into())
+            })
+            .sum();
+        let moved = raised(
+            slope * self.rest,
+            monomials.len() + 2 * monomials.degree + 8,
+        );
+        (new, raised(lost + moved, 2))
     }
 }
 

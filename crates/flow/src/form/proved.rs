@@ -191,6 +191,9 @@ impl Proved {
         for (own, other) in self.modes.iter_mut().zip(&other.modes) {
             *own = own.union(*other);
         }
+        for (own, other) in self.during.iter_mut().zip(&other.during) {
+            *own = own.hull(*other);
+        }
     }
 }
 

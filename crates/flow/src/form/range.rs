@@ -11,8 +11,11 @@ use super::monomials::Monomials;
 use super::outward::{UNIT, raised};
 use veribound_interval::Interval;
 
-/// Parts of the box looked at before the bound is taken as it is.
-const MOST_PARTS: usize = 40;
+/// Parts of the box looked at before the bound is taken as it is; and where that is far from the values that were met.
+const MOST_PARTS: [usize; 2] = [40, 400];
+
+/// How far, as share of the width.
+const FAR: f64 = 0.02;
 
 /// Share of the size of the polynomial that the bound may be too large.
 const ENOUGH: f64 = 1e-4;
@@ -25,35 +28,65 @@ pub(super) fn range(monomials: &Monomials, polynomial: &[f64]) -> Interval {
     if polynomial[1..].iter().all(|x| *x == 0.0) {
         return Interval::point(polynomial[0]);
     }
-    let negated: Vec<f64> = polynomial.iter().map(|x| -x).collect();
-    let hi = maximum(monomials, polynomial);
-    let lo = -maximum(monomials, &negated);
-    Interval::new(lo, hi).unwrap_or(Interval::ENTIRE)
-}
-
-/// An upper bound of the maximum.
-fn maximum(monomials: &Monomials, polynomial: &[f64]) -> f64 {
     let size: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
+    let negated: Vec<f64> = polynomial.iter().map(|x| -x).collect();
+    let mut above = Maximum::new(monomials, polynomial);
+    let mut below = Maximum::new(monomials, &negated);
     let tolerance = ENOUGH * size;
-    let whole = Part::new(monomials, polynomial.to_vec(), 0.0);
-    let mut reached = whole.reached;
-    let mut open = BinaryHeap::from([whole]);
-    for _ in 0..MOST_PARTS {
-        let Some(part) = open.pop() else { break };
-        if part.bound <= reached + tolerance {
-            return part.bound;
-        }
-        let Some(variable) = part.worst(monomials) else {
-            return part.bound;
-        };
-        for side in [-0.5, 0.5] {
-            let (half, error) = part.half(monomials, variable, side);
-            let half = Part::new(monomials, half, error);
-            reached = reached.max(half.reached);
-            open.push(half);
+    for maximum in [&mut above, &mut below] {
+        maximum.refine(monomials, MOST_PARTS[0], tolerance);
+    }
+    // Where linear terms cancel, little of the size is left.
+    let far = FAR * (above.bound() + below.bound());
+    for maximum in [&mut above, &mut below] {
+        if maximum.bound() > maximum.reached + far {
+            maximum.refine(monomials, MOST_PARTS[1], tolerance.max(far));
         }
     }
-    open.peek().map_or(f64::INFINITY, |part| part.bound)
+    Interval::new(-below.bound(), above.bound()).unwrap_or(Interval::ENTIRE)
+}
+
+/// What is known of the maximum of a polynomial.
+struct Maximum {
+    /// Parts that cover the box.
+    open: BinaryHeap<Part>,
+    /// A value that is met, about.
+    reached: f64,
+}
+
+impl Maximum {
+    fn new(monomials: &Monomials, polynomial: &[f64]) -> Maximum {
+        let whole = Part::new(monomials, polynomial.to_vec(), 0.0);
+        Maximum {
+            reached: whole.reached,
+            open: BinaryHeap::from([whole]),
+        }
+    }
+
+    /// An upper bound.
+    fn bound(&self) -> f64 {
+        self.open.peek().map_or(f64::INFINITY, |part| part.bound)
+    }
+
+    /// Divides so many parts, or until the bound is near to a value that is met.
+    fn refine(&mut self, monomials: &Monomials, parts: usize, tolerance: f64) {
+        for _ in 0..parts {
+            if self.bound() <= self.reached + tolerance {
+                return;
+            }
+            let Some(part) = self.open.pop() else { return };
+            let Some(variable) = part.worst(monomials) else {
+                self.open.push(part);
+                return;
+            };
+            for side in [-0.5, 0.5] {
+                let (half, error) = part.half(monomials, variable, side);
+                let half = Part::new(monomials, half, error);
+                self.reached = self.reached.max(half.reached);
+                self.open.push(half);
+            }
+        }
+    }
 }
 
 /// The polynomial on a part of the box, as a polynomial on the unit box.

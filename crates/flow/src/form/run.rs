@@ -400,8 +400,9 @@ impl Flow {
             };
             self.pass(part, task, with(degree), (most, parts))
         };
-        if options.degree.is_none() && LOW < first {
-            let quick = pass(LOW);
+        let low = self.low_degree(unknowns, task.stretches);
+        if options.degree.is_none() && low < first {
+            let quick = pass(low);
             // Higher degrees do not help against what switches take.
             let share = if self.is_smooth() { SMALL } else { MODEST };
             if quick.excess() <= share * effort.excess || quick.is_interrupted() {
@@ -456,13 +457,12 @@ impl Flow {
         let mut steps = 0;
         let mut open = vec![journey];
         while let Some(mut journey) = open.pop() {
-            journey.may_part = parts.saturating_sub(open.len() + passage.forms().count());
+            journey.others = open.len() + passage.forms().count();
+            journey.may_part = parts.saturating_sub(journey.others);
             let failure = journey.run().err();
             steps += journey.proved.steps;
-            let portions = std::mem::take(&mut journey.parts);
-            if !portions.is_empty() {
-                let forks = portions.into_iter().map(|portion| journey.fork(portion));
-                open.extend(forks);
+            if !journey.parts.is_empty() {
+                open.append(&mut journey.parts);
                 continue;
             }
             for (all, own) in passage.torn.iter_mut().zip(&journey.torn) {
@@ -492,6 +492,21 @@ impl Flow {
         passage.proved.steps = steps;
         self.tighten(&mut passage.proved, (&part.0, &part.1), task.stretches);
         passage
+    }
+}
+
+impl Flow {
+    /// The degree that is tried first. Where inputs drive modes that switch, it is one more if that costs little: positions that
+    /// come back to where they were then depend on nothing but what is of high degree.
+    fn low_degree(&self, unknowns: usize, stretches: &[Stretch]) -> usize {
+        let counts = (unknowns, self.layout.states);
+        let mut pairs = stretches.windows(2);
+        let is_driven = !self.is_smooth() && pairs.any(|pair| pair[0].inputs != pair[1].inputs);
+        if is_driven && terms(counts, LOW, LOW + 1) <= 2 * terms(counts, 1, LOW) {
+            LOW + 1
+        } else {
+            LOW
+        }
     }
 }
 

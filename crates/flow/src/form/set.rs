@@ -393,6 +393,12 @@ impl Form {
         Interval::new(lo, hi).unwrap_or(all)
     }
 
+    /// The strict sign of all values of a polynomial in the unknowns, up to `off`, if they have one.
+    pub(super) fn sign(&self, polynomial: &[f64], off: f64) -> Option<Signs> {
+        let quick = Signs::strict(around(polynomial).inflate(off));
+        quick.or_else(|| Signs::strict(self.range(polynomial).inflate(off)))
+    }
+
     /// An upper bound of a polynomial in the unknowns, with what is known of them besides.
     ///
     /// Proof. Where `|k| <= 1 + r`, `P <= (P - λ k) + |λ| (1 + r)` for any `λ`. Those that are best for the linear

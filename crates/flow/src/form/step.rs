@@ -99,8 +99,8 @@ pub(super) struct Prepared {
 pub(super) enum End {
     /// At one time for all solutions, known up to `off` seconds.
     At { scaled: f64, off: f64 },
-    /// At a time of its own for every `δ`; where that is before the start, nothing is claimed.
-    Own { scaled: Vec<f64> },
+    /// At a time of its own for every `δ`; where that is before the start or after `last`, nothing is claimed.
+    Own { scaled: Vec<f64>, last: f64 },
 }
 
 impl End {
@@ -109,9 +109,10 @@ impl End {
         match self {
             End::At { scaled, .. } => Interval::point(*scaled),
             // Before the start nobody is on the way.
-            End::Own { scaled } => {
+            End::Own { scaled, last } => {
                 let all = around(scaled);
-                Interval::new(all.lo().max(0.0), all.hi().max(0.0)).unwrap_or(all)
+                let [lo, hi] = [all.lo(), all.hi()].map(|x| x.clamp(0.0, *last));
+                Interval::new(lo, hi).unwrap_or(all)
             }
         }
     }
@@ -252,7 +253,7 @@ impl Piece {
                     let speed = errors.sizes[rate].total + scratch.radii[1][rate];
                     (place.polynomial, raised(place.lost + off * speed, 2))
                 }
-                End::Own { scaled } => later(
+                End::Own { scaled, .. } => later(
                     &form.monomials,
                     block,
                     (orders, scratch.series.stride),

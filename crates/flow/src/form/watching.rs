@@ -7,6 +7,7 @@
 use super::monomials::Monomials;
 use super::outward::raised;
 use super::piece::{Piece, Probe};
+use super::range::range;
 use super::regime::Watch;
 use super::step::Scratch;
 use super::surfaces::Signs;
@@ -84,6 +85,10 @@ impl Piece {
     }
 
     /// Encloses a register during a window of scaled time, for all solutions within the deviation.
+    ///
+    /// Proof. `R(δ, t)` is the polynomial. For any number `κ`, `q = (1 + κ (t - t_0)) R` has `q' = (R' + κ R) + κ (t - t_0) R'`. So
+    /// where all coefficients decay alike, as what is left of a small rate does, `q` hardly moves from what it is at the begin `t_0`, and that
+    /// is a polynomial in the unknowns alone, with a tight range.
     pub(super) fn during(
         &self,
         scratch: &Scratch,
@@ -93,22 +98,61 @@ impl Piece {
     ) -> Interval {
         let size = &scratch.errors.sizes[register];
         let quick = scratch.around(register);
-        if !quick.contains(0.0) || size.top == 0 {
+        if !quick.contains(0.0) {
             return quick;
         }
         let stride = scratch.series.stride;
         let block = scratch.series.block(register);
+        if size.top == 0 {
+            let polynomial: Vec<f64> = block.iter().step_by(stride).copied().collect();
+            let off = scratch.radii[1][register];
+            return range(monomials, &polynomial).inflate(off).intersect(quick);
+        }
         let row = |a: usize| {
             let orders = block[a * stride..=a * stride + size.top].iter().rev();
             orders.fold(Interval::ZERO, |sum, x| sum * window + Interval::point(*x))
         };
+        let off = scratch.radii[1][register];
         let others: f64 = (1..monomials.len()).map(|a| row(a).mag()).sum();
-        row(0)
-            .inflate(raised(
-                others + scratch.radii[1][register],
-                monomials.len() + 1,
-            ))
-            .intersect(quick)
+        let first = row(0);
+        let found = first
+            .inflate(raised(others + off, monomials.len() + 1))
+            .intersect(quick);
+        if !found.contains(0.0) || first.contains(0.0) {
+            return found;
+        }
+        let slope = |a: usize| {
+            let orders = block[a * stride + 1..=a * stride + size.top].iter();
+            let orders = orders.enumerate().rev();
+            orders.fold(Interval::ZERO, |sum, (j, x)| {
+                sum * window + Interval::point(*x) * Interval::point((j + 1) as f64)
+            })
+        };
+        let (mut begin, mut rounding) = (Vec::with_capacity(monomials.len()), 0.0);
+        for a in 0..monomials.len() {
+            let orders = block[a * stride..=a * stride + size.top].iter().rev();
+            let time = Interval::point(window.lo());
+            let value = orders.fold(Interval::ZERO, |sum, x| sum * time + Interval::point(*x));
+            begin.push(value.mid());
+            rounding += value.rad();
+        }
+        let decay = Interval::point((-slope(0) / first).mid());
+        let since = window - Interval::point(window.lo());
+        let (mut change, mut moved) = (0.0, 0.0);
+        for a in 0..monomials.len() {
+            let slope = slope(a);
+            change += (slope + decay * row(a)).mag();
+            moved += slope.mag();
+        }
+        let moved = Interval::symmetric(raised(moved, monomials.len())) * decay * since;
+        let change = moved.inflate(raised(change, monomials.len())) * since;
+        let scale = Interval::ONE + decay * since;
+        let begin = range(monomials, &begin).inflate(raised(rounding, monomials.len()));
+        if scale.lo() > 0.0 {
+            ((begin + change) / scale).inflate(off).intersect(found)
+        } else {
+            found
+        }
     }
 
     /// The slopes of a watched expression, at all times of the step.

@@ -1,0 +1,224 @@
+//! Motors with dry friction under inputs that are another level at every sample: sets that stop, turn and break away while
+//! samples pass, against exact solutions.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    reason = "a test fails by panicking"
+)]
+
+mod common;
+
+use common::{Rng, interval, number, read, rig_step};
+use veribound_flow::form::{Effort, Flow, FormOptions, Meeting, Stretch};
+use veribound_interval::Interval;
+
+const MOTOR: &str = r#"
+format = 1
+states = ["x", "v"]
+inputs = ["u"]
+init = { x = 0, v = 0 }
+params = { a = [-3, 0], b = [90, 210], T = [0, 0.3] }
+der = { x = "v", v = "a*v + b*(u - friction(v, u, T))" }
+outputs = { m = "x +- 1" }
+"#;
+
+/// Seconds between samples.
+const DT: f64 = 0.01;
+
+/// What the simulator, in plain floating point, may be off.
+const SLACK: f64 = 1e-9;
+
+/// Parameters, a speed at the start, and one level for every sample.
+struct Drive {
+    params: [Interval; 3],
+    speed: Interval,
+    levels: Vec<f64>,
+}
+
+impl Drive {
+    fn draw(rng: &mut Rng) -> Drive {
+        let wide = rng.pick(&[1e-3, 0.01, 0.03, 0.05]);
+        let mut around = |middle: f64| {
+            let radius = wide * middle.abs() * rng.unit();
+            interval(middle - radius, middle + radius)
+        };
+        let params = [around(-2.0), around(150.0), around(0.15)];
+        let (size, pace, phase) = (
+            rng.between(0.15, 0.5),
+            rng.between(1.0, 12.0),
+            rng.between(0.0, 6.0),
+        );
+        let rough = rng.pick(&[0.0, 0.0, 0.02]);
+        let levels = (0..160).map(|k| {
+            let smooth = size * (pace * f64::from(k) * DT + phase).sin();
+            smooth + rough * rng.between(-1.0, 1.0)
+        });
+        let levels = levels.collect();
+        let speed = rng.pick(&[0.0, 0.2]) * rng.unit();
+        let speed = interval(speed, speed * (1.0 + wide));
+        Drive {
+            params,
+            speed,
+            levels,
+        }
+    }
+
+    fn stretches(&self) -> Vec<Stretch> {
+        let levels = self.levels.iter();
+        levels
+            .map(|u| Stretch {
+                inputs: vec![Interval::point(*u)],
+                dt: Interval::point(DT),
+            })
+            .collect()
+    }
+
+    fn start(&self) -> [Interval; 2] {
+        [Interval::ZERO, self.speed]
+    }
+
+    /// A true solution at all samples, for points at the ends of the sets or inside.
+    fn solution(&self, rng: &mut Rng) -> (Vec<f64>, Vec<[f64; 2]>) {
+        let mut draw = |x: Interval| rng.pick(&[x.lo(), x.hi(), rng.clone().inside(x)]);
+        let p = self.params.map(&mut draw);
+        let (mut x, mut v) = (0.0, draw(self.speed));
+        let begin = v;
+        let places = self.levels.iter().map(|u| {
+            (x, v) = rig_step(x, v, *u, p, DT);
+            [x, v]
+        });
+        let places = places.collect();
+        ([&[begin], &p[..]].concat(), places)
+    }
+}
+
+/// No solution is lost, and where nothing is given up hulls are about as wide as sampled ones.
+#[test]
+fn solutions_that_stop_while_samples_pass() {
+    let mut rng = Rng(number("VERIBOUND_SEED", 21));
+    let flow = Flow::new(&read("motor", MOTOR));
+    let (mut stops, mut tight, mut all) = (0, 0, 0);
+    for _ in 0..number("VERIBOUND_ROUNDS", 25) {
+        let drive = Drive::draw(&mut rng);
+        let options = FormOptions {
+            degree: rng.pick(&[None, None, Some(2), Some(4)]),
+            ..FormOptions::default()
+        };
+        let effort = Effort {
+            parts: rng.pick(&[1, 4, 64]),
+            ..Effort::default()
+        };
+        let found = flow.enclose(
+            &drive.start(),
+            &drive.params,
+            &drive.stretches(),
+            options,
+            effort,
+        );
+        assert!(found.stopped.is_none(), "{:?}", found.stopped);
+        let mut inner = vec![[Interval::EMPTY; 2]; found.ends.len()];
+        for _ in 0..60 {
+            let (p, places) = drive.solution(&mut rng);
+            for (k, place) in places.iter().enumerate() {
+                let is_stop = place[1] == 0.0 && (k > 0 && places[k - 1][1] != 0.0);
+                stops += usize::from(is_stop);
+                for i in 0..2 {
+                    let (end, tube) = (found.ends[k][i], found.tubes[k][i]);
+                    for bounds in [end, tube] {
+                        let wide = bounds.inflate(SLACK);
+                        assert!(
+                            wide.contains(place[i]),
+                            "{p:?} at {k}, {i}: {place:?} {bounds}"
+                        );
+                    }
+                    inner[k][i] = inner[k][i].hull(Interval::point(place[i]));
+                }
+            }
+        }
+        let ratio = |k: usize| {
+            let ratios = [0, 1].map(|i| found.ends[k][i].width() / (inner[k][i].width() + 1e-6));
+            ratios[0].max(ratios[1])
+        };
+        tight += (0..inner.len()).filter(|k| ratio(*k) < 1.25).count();
+        all += inner.len();
+    }
+    println!("{stops} stops, {tight} of {all} samples tight");
+    assert!(stops > 500);
+    assert!(tight as f64 > 0.8 * all as f64, "{tight} of {all}");
+}
+
+/// Forms are shown at samples on the way across, too: each solution is where its own unknowns say; and whether it has been captured is
+/// told by where it would be without.
+#[test]
+fn forms_at_samples_on_the_way_across() {
+    let mut rng = Rng(number("VERIBOUND_SEED", 22));
+    let flow = Flow::new(&read("motor", MOTOR));
+    let (mut passing, mut captured) = (0, 0);
+    for _ in 0..number("VERIBOUND_ROUNDS", 25) {
+        let drive = Drive::draw(&mut rng);
+        let solutions: Vec<_> = (0..20).map(|_| drive.solution(&mut rng)).collect();
+        let form = flow.start(&drive.start(), &drive.params, FormOptions::default());
+        let unknowns = form.unknowns();
+        let mut meet = |meeting: Meeting<'_>| {
+            passing += usize::from(meeting.is_passing);
+            let Some(k) = meeting.stretch.checked_sub(1) else {
+                return;
+            };
+            for (p, places) in &solutions {
+                let delta: Vec<f64> = unknowns
+                    .iter()
+                    .map(|(unknown, range)| {
+                        let own = match unknown {
+                            veribound_flow::form::Unknown::Start(_) => p[0],
+                            veribound_flow::form::Unknown::Param(i) => p[1 + i],
+                            veribound_flow::form::Unknown::Axis(_) => panic!("a box has no axes"),
+                        };
+                        (own - range.mid()) / range.rad()
+                    })
+                    .collect();
+                let at = |centre: f64, slopes: &[f64]| {
+                    let terms = slopes.iter().zip(&delta).map(|(s, d)| s * d);
+                    centre + terms.sum::<f64>()
+                };
+                for i in 0..2 {
+                    let form = meeting.form.state(i);
+                    let own = Interval::point(at(form.centre, &form.slopes)) + form.remainder;
+                    let wide = own.inflate(SLACK);
+                    assert!(
+                        wide.contains(places[k][i]),
+                        "{p:?} at {k}: {:?} {own}",
+                        places[k]
+                    );
+                }
+                if let Some(arriving) = &meeting.arriving {
+                    let ahead = &arriving.ahead;
+                    let line = Interval::point(at(ahead.centre, &ahead.slopes));
+                    let ahead = line + ahead.remainder;
+                    let is_on_it = places[k][1] == 0.0;
+                    let is_beyond = if arriving.from_above {
+                        ahead.hi() < -SLACK
+                    } else {
+                        ahead.lo() > SLACK
+                    };
+                    let is_before = if arriving.from_above {
+                        ahead.lo() > SLACK
+                    } else {
+                        ahead.hi() < -SLACK
+                    };
+                    assert!(
+                        if is_on_it { !is_before } else { !is_beyond },
+                        "{ahead} {:?}",
+                        places[k]
+                    );
+                    captured += usize::from(is_beyond);
+                }
+            }
+        };
+        // Where it is lost is told by the other test.
+        let _ = flow.follow(form, &drive.stretches(), &mut meet, &|_| true);
+    }
+    println!("{passing} forms on the way, {captured} captured");
+    assert!(passing > 20 && captured > 100);
+}
