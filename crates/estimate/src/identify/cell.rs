@@ -13,7 +13,7 @@ use super::pave::reason_of;
 use super::problem::Problem;
 use super::region::{Region, scales_of};
 use super::rows::{Affine, Rows};
-use super::simplex::{Program, Side, deepest};
+use super::simplex::{Deepest, Program, Side, deepest};
 use super::windows::{Joined, Junctions, Window, common, information, joined, widths};
 use serde::{Deserialize, Serialize};
 use veribound_flow::form::Parallelotope;
@@ -77,7 +77,7 @@ pub(crate) struct Cell {
     /// For every record samples at which windows began, and the states there of all solutions that are left.
     pub(crate) junctions: Vec<Junctions>,
     /// The deepest point of all windows, where there are any.
-    pub(crate) deep: Option<(Vec<f64>, f64)>,
+    pub(crate) deep: Option<Deepest>,
 }
 
 /// A conflict, and the record it is in.
@@ -608,7 +608,7 @@ impl Cell {
     }
 
     /// Where solutions are most likely to agree with all records, as [`deepest`], and how far inside that is.
-    pub(crate) fn deepest(&self) -> (Vec<f64>, f64) {
+    pub(crate) fn deepest(&self) -> Deepest {
         match &self.deep {
             Some(deep) => deep.clone(),
             None => deepest(&self.rows, &self.part),

@@ -89,6 +89,13 @@ pub(crate) enum Conflict {
     Rows { samples: Vec<(usize, usize)> },
 }
 
+/// A sample, and the states there as functions of the unknowns of a pass.
+#[derive(Debug, Clone)]
+pub(crate) struct Anchor {
+    pub(crate) sample: usize,
+    pub(crate) states: Vec<Affine>,
+}
+
 /// What a pass came to.
 pub(crate) struct Passed {
     /// What the axes are, as far as they are narrowed, each `middle + radius δ`.
@@ -103,7 +110,7 @@ pub(crate) struct Passed {
     /// About how far from linear what was told depends on each axis.
     pub(crate) curvature: Vec<f64>,
     /// Some of the samples that told something, in order, with the states there.
-    pub(crate) anchors: Vec<(usize, Vec<Affine>)>,
+    pub(crate) anchors: Vec<Anchor>,
 }
 
 /// Meets samples.
@@ -129,7 +136,7 @@ struct Meeter<'a> {
     next: usize,
     curvature: Vec<f64>,
     scales: Vec<(Interval, Interval)>,
-    anchors: Vec<(usize, Vec<Affine>)>,
+    anchors: Vec<Anchor>,
     /// Samples from one anchor to the next at least.
     apart: usize,
     wanted: BTreeSet<usize>,
@@ -464,15 +471,16 @@ impl Meeter<'_> {
     /// Keeps the states at a sample, and in the long run of so many samples, about equally far from each other.
     fn anchor(&mut self, sample: usize, states: Vec<Affine>) {
         let is_wanted = self.wanted.contains(&sample);
-        if !is_wanted && (sample - self.span.from) % self.apart != 0 {
+        if !is_wanted && !(sample - self.span.from).is_multiple_of(self.apart) {
             return;
         }
-        self.anchors.push((sample, states));
+        self.anchors.push(Anchor { sample, states });
         if self.anchors.len() > ANCHORS + self.wanted.len() {
             self.apart *= 2;
             let (from, apart, wanted) = (self.span.from, self.apart, &self.wanted);
-            self.anchors
-                .retain(|(sample, _)| (sample - from) % apart == 0 || wanted.contains(sample));
+            self.anchors.retain(|own| {
+                (own.sample - from).is_multiple_of(apart) || wanted.contains(&own.sample)
+            });
         }
     }
 
@@ -519,7 +527,7 @@ impl Meeter<'_> {
                     form.narrow(&parts);
                     let by = scales_of(&parts);
                     self.rows.rescale(&by);
-                    let states = self.anchors.iter_mut().flat_map(|(_, states)| states);
+                    let states = self.anchors.iter_mut().flat_map(|own| &mut own.states);
                     let fixed = self.later.iter_mut().chain(&mut self.factor);
                     for affine in states.chain(fixed) {
                         affine.rescale(&by);

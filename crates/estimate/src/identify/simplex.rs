@@ -353,9 +353,12 @@ fn combined(
 /// How far outside of rows, as multiple of half of what they allow, a point may have to be.
 const DEEP: f64 = 1024.0;
 
+/// Unknowns, and how far inside of all rows they are.
+pub(crate) type Deepest = (Vec<f64>, f64);
+
 /// About the unknowns that are farthest from the ends of all rows, as share of what each allows in the box `part`:
 /// inside of them, or where that is not possible, as little outside as can be; and how far that is.
-pub(crate) fn deepest(rows: &Rows, part: &[Interval]) -> (Vec<f64>, f64) {
+pub(crate) fn deepest(rows: &Rows, part: &[Interval]) -> Deepest {
     let n = part.len();
     let mut sides = Rows::new(n + 1);
     let mut is_used = vec![false; n];

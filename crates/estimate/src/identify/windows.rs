@@ -13,11 +13,11 @@ use std::collections::BTreeMap;
 
 use super::cell::{BELIEVED, of_record};
 use super::eigen::eigenvectors;
-use super::pass::{Aim, Conflict, Passed, Span, contract, pass};
+use super::pass::{Aim, Anchor, Conflict, Passed, Span, contract, pass};
 use super::problem::Problem;
 use super::region::{Region, scales_of};
 use super::rows::{Affine, Rows};
-use super::simplex::{Program, Side, deepest};
+use super::simplex::{Deepest, Program, Side, deepest};
 use veribound_flow::form::Parallelotope;
 use veribound_interval::Interval;
 
@@ -142,14 +142,14 @@ impl Problem {
 /// after a sample tells as much of it as what was before, so that this is seldom the last one of all.
 fn anchored(passed: &Passed, part: &[Interval], from: usize, known: &Junctions) -> Option<Link> {
     let program = Program::new(&passed.rows, part, Side::Outer);
-    let later = passed.anchors.iter().filter(|anchor| anchor.0 > from);
-    let boxes: Vec<(&(usize, Vec<Affine>), Vec<Interval>)> = later
+    let later = passed.anchors.iter().filter(|anchor| anchor.sample > from);
+    let boxes: Vec<(&Anchor, Vec<Interval>)> = later
         .map(|anchor| {
             let around = |state: &Affine| program.bounds(&state.slopes) + state.rest;
-            let mut box_: Vec<Interval> = anchor.1.iter().map(around).collect();
+            let mut box_: Vec<Interval> = anchor.states.iter().map(around).collect();
             for (x, known) in box_
                 .iter_mut()
-                .zip(known.get(&anchor.0).into_iter().flatten())
+                .zip(known.get(&anchor.sample).into_iter().flatten())
             {
                 *x = x.intersect(*known);
             }
@@ -170,18 +170,18 @@ fn anchored(passed: &Passed, part: &[Interval], from: usize, known: &Junctions) 
     };
     let best = boxes.iter().map(|(_, box_)| wider(box_));
     let best = best.fold(f64::INFINITY, f64::min);
-    let as_well = boxes
+    let mut as_well = boxes
         .iter()
         .filter(|(_, box_)| wider(box_) <= AS_WELL * best);
-    let is_linked = |(anchor, box_): &&(&(usize, Vec<Affine>), Vec<Interval>)| {
-        let mut states = anchor.1.iter().zip(box_);
+    let is_linked = |(anchor, box_): &&(&Anchor, Vec<Interval>)| {
+        let mut states = anchor.states.iter().zip(box_);
         states.all(|(state, x)| state.rest.width() <= LOST * x.width())
     };
     let linked = as_well.clone().rev().find(is_linked);
-    let (anchor, box_) = linked.or_else(|| as_well.last())?;
+    let (anchor, box_) = linked.or_else(|| as_well.next_back())?;
     Some(Link {
-        sample: anchor.0,
-        states: anchor.1.clone(),
+        sample: anchor.sample,
+        states: anchor.states.clone(),
         starts: Region::of_box(box_),
     })
 }
@@ -233,7 +233,7 @@ pub(crate) struct Joined {
     /// By record.
     pub(crate) junctions: Vec<Junctions>,
     /// The axes of the deepest point, where all windows were looked at together.
-    pub(crate) deepest: Option<(Vec<f64>, f64)>,
+    pub(crate) deepest: Option<Deepest>,
 }
 
 /// What all windows say of the axes of the region in the common scales, and the states at the begins of windows, by
@@ -296,7 +296,7 @@ fn together(
     windows: &[Window],
     (fresh, axes): (usize, usize),
     junctions: &mut [Junctions],
-) -> Result<(Rows, Option<(Vec<f64>, f64)>), (usize, Conflict)> {
+) -> Result<(Rows, Option<Deepest>), (usize, Conflict)> {
     let mut rows = Rows::new(fresh + axes);
     let mut columns: Vec<Vec<usize>> = Vec::with_capacity(windows.len());
     let mut begin = 0;
