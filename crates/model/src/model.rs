@@ -200,6 +200,24 @@ pub struct Input {
 }
 
 /// How long what is unknown of an input stays the same.
+///
+/// ```
+/// use veribound_model::{Hold, Model, Outliers};
+/// let text = r#"
+///     format = 1
+///     states = ["x [m]"]
+///     init   = { x = 0 }
+///     inputs = { u = { unit = "m/s", error = { relative = 0.1, hold = "level" } } }
+///     [der]
+///     x = "u"
+///     [outputs]
+///     y = { expr = "x", unit = "m", error = { absolute = 0.01 }, outliers = "2 in 100" }
+/// "#;
+/// let model = Model::from_text("model.toml", text)?;
+/// assert_eq!(model.inputs[0].hold, Hold::Level);
+/// assert_eq!(model.outputs[0].outliers, Some(Outliers { most: 2, of: 100 }));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Hold {
     /// It may be any function of time.
@@ -492,6 +510,8 @@ pub struct Output {
 
 /// At most so many of any so many samples in a row, of those that tell an output, are off by more than its error bound: as
 /// far as they like.
+///
+/// Example: [`Hold`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Outliers {
     /// How many may be,

@@ -40,6 +40,7 @@ use veribound_model::model::{Param, State};
 ///     }],
 ///     resets: vec![IdentifiedReset::new("r.csv".to_owned(), k, (&from, &until), both, 2.0)],
 ///     least_error: Some(LeastErrors::new(Interval::ONE, &model.params, None)),
+///     least_disturbance: None,
 ///     paving: Some(Paving::new(12, Interval::point(0.75), Interval::point(0.125))),
 ///     points: 4,
 ///     work: IdentifiedWork::default(),
