@@ -353,3 +353,25 @@ fn a_check_tells_how_far_it_is() {
     assert_eq!(told.len(), 5);
     assert!(told.is_sorted() && *told.last().unwrap() <= whole);
 }
+
+/// Who takes an error for constant while the same value is recorded sees by the bounds that another one was, even where
+/// the difference is lost beside the error.
+#[test]
+fn other_values_have_other_bounds() {
+    let text = "format = 1\nstates = [\"x\"]\ninit.x = 0\ninputs.u = { error = { absolute = 0.1, hold = \"level\" } }\n\
+                der.x = \"u\"\noutputs.y = \"x +- 0.1\"\n";
+    let model = Model::from_text("lag.toml", text).unwrap();
+    let lines = [
+        "0,1e-18,0",
+        "1,1e-18,0",
+        "2,2e-18,0",
+        "3,1e-18,0",
+        "4,1e-18,0",
+    ];
+    let text = format!("t,u,y\n{}\n", lines.join("\n"));
+    let (_, samples) = open(&text, &model, RecordOptions::default());
+    let inputs: Vec<Interval> = samples.iter().map(|sample| sample.inputs[0]).collect();
+    let same: Vec<bool> = inputs.windows(2).map(|pair| pair[0] == pair[1]).collect();
+    assert_eq!(same, [true, false, false, true]);
+    assert!(inputs.iter().all(|x| x.contains(-0.1) && x.contains(0.1)));
+}

@@ -13,7 +13,7 @@ mod common;
 
 use common::{Rng, read};
 use veribound_estimate::identify::{
-    Conclusion, Identified, IdentifyOptions, identify, least_disturbance,
+    Conclusion, Identified, IdentifyOptions, identify, least_disturbance, least_error,
 };
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{Model, Sample};
@@ -400,4 +400,26 @@ fn the_record_that_refutes_is_named() {
         refuted.samples.is_empty() || refuted.samples.len() >= 3,
         "{refuted:?}"
     );
+}
+
+/// Samples without an error have fewer rows than others when the factor of errors is asked.
+#[test]
+fn the_least_error_with_outliers_and_exact_samples() {
+    let model = read(
+        "decay",
+        "format = 1\nstates = [\"x\"]\ninit.x = [0.5, 1.5]\nparams.k = [0.1, 2]\nder.x = \"-k*x\"\n\
+         outputs.y = { expr = \"x\", error = { relative = 0.02 }, outliers = \"1 in 10\" }\n",
+    );
+    let value = |i: i32| {
+        if i % 10 == 4 {
+            0.0
+        } else {
+            (-0.04 * f64::from(i)).exp()
+        }
+    };
+    let rows: Vec<(f64, f64)> = (0..30).map(|i| (0.0, value(i))).collect();
+    let samples = record(&model, 5, &rows);
+    let found = least_error(&model, &[samples], &IdentifyOptions::default(), &|_| true);
+    // Without any error the truth agrees.
+    assert!(found.factor.lo() < 1e-3, "{found:?}");
 }

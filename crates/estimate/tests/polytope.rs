@@ -331,3 +331,40 @@ fn a_change_is_refuted() {
     }
     assert!(refuted >= 2, "{refuted}");
 }
+
+/// What an input makes jump at a sample may be measured there before or after the jump, also at the newest sample.
+#[test]
+fn what_jumps_at_a_sample_is_not_lost() {
+    let text = "format = 1\nstates = [\"x\"]\ninputs = [\"u\"]\ninit.x = [0.9, 1.1]\nparams.k = [0.4, 0.6]\n\
+                der.x = \"-k*x\"\n[jumps]\nkick = { when = \"u >= 1 and x <= 3\", set.x = \"x + 5\" }\n\
+                [outputs]\ny = \"x +- 0.05\"\n";
+    let (count, jump, k) = (40, 10, 0.5);
+    let mut rng = Rng(11);
+    for (is_after, is_told) in [(false, true), (true, true), (true, false)] {
+        let (mut samples, mut truth) = (Vec::new(), Vec::new());
+        let mut x = 1.0;
+        for i in 0..count {
+            let told = if i == jump && is_after { x + 5.0 } else { x };
+            let is_known = is_told || i != jump;
+            samples.push(Sample {
+                time: decimal(0.1 * f64::from(i), 1),
+                inputs: vec![Interval::point(f64::from(u8::from(i >= jump)))],
+                outputs: vec![is_known.then(|| measured(&mut rng, told, 0.05))],
+                signals: Vec::new(),
+                line: 2,
+            });
+            truth.push(vec![told, k]);
+            if i == jump {
+                x += 5.0;
+            }
+            x *= (-k * 0.1_f64).exp();
+        }
+        let model = read("kick", text);
+        let record = Record {
+            model,
+            samples,
+            truth,
+        };
+        observe(&record, &options(), &format!("{is_after} {is_told}"));
+    }
+}

@@ -33,6 +33,8 @@ pub(crate) enum Row {
 pub(crate) struct Rows {
     ranges: Vec<Range<usize>>,
     previous: Option<(Decimal, usize)>,
+    /// For every input what was last recorded, and every value that it could have.
+    inputs: Vec<(Interval, Interval)>,
 }
 
 impl Rows {
@@ -40,6 +42,7 @@ impl Rows {
         Rows {
             ranges: Vec::new(),
             previous: None,
+            inputs: Vec::new(),
         }
     }
 
@@ -94,7 +97,7 @@ impl Rows {
         }
         let sample = Sample {
             time,
-            inputs: cells.inputs(),
+            inputs: cells.inputs(&mut self.inputs),
             outputs: cells.outputs(),
             signals: cells.signals(),
             line: line.number,
@@ -120,7 +123,9 @@ struct Cells<'a> {
 struct Reported;
 
 impl Cells<'_> {
-    fn inputs(&mut self) -> Vec<Interval> {
+    /// What inputs may be. Two samples in a row that recorded other values have other bounds, too: who takes the error of
+    /// an input for constant while the same is recorded sees it by these.
+    fn inputs(&mut self, last: &mut Vec<(Interval, Interval)>) -> Vec<Interval> {
         let layout = self.layout;
         let count = layout.inputs.len() + layout.disturbances.len();
         let mut values = Vec::with_capacity(count);
@@ -131,7 +136,19 @@ impl Cells<'_> {
                     .map(|value| source.enclose(&value)),
                 Place::Bounds(lo, hi) => self.between(source, (lo, hi), Need::InputBound),
             };
-            values.extend(recorded.map(|recorded| source.error.enclose(recorded)));
+            let Ok(recorded) = recorded else { continue };
+            let position = values.len();
+            let mut value = source.error.enclose(recorded);
+            let before = last.get(position);
+            if before.is_some_and(|before| before.0 != recorded && before.1 == value) {
+                // The difference is lost beside a large error.
+                value = Interval::new(value.lo(), value.hi().next_up()).unwrap_or(value);
+            }
+            values.push(value);
+            match last.get_mut(position) {
+                Some(before) => *before = (recorded, value),
+                None => last.push((recorded, value)),
+            }
         }
         values.extend(&layout.disturbances);
         values

@@ -45,6 +45,9 @@ const TINY: f64 = 1e-6;
 const TRUST: f64 = 0.5;
 const FITS: usize = 12;
 
+/// fewer where nothing near agrees with the slopes after these.
+const HOPELESS: usize = 2;
+
 /// A climb has so many steps at most, keeps inside of what was measured by this share,
 const CLIMBS: usize = 5;
 const MARGIN: f64 = 1e-3;
@@ -171,7 +174,7 @@ impl Problem {
         let mut trust = TRUST;
         let mut rows = self.linear(region, &at)?;
         let mut depth = depth_of(&rows);
-        for _ in 0..FITS {
+        for tried in 0..FITS {
             if depth > 0.0 {
                 return Some(at);
             }
@@ -179,7 +182,10 @@ impl Problem {
                 let (lo, hi) = ((x - trust).max(-1.0), (x + trust).min(1.0));
                 Interval::new((lo - x) / TINY, (hi - x) / TINY).unwrap_or(Interval::ZERO)
             });
-            let (step, _) = deepest(&rows, &ends.collect::<Vec<_>>());
+            let (step, hoped) = deepest(&rows, &ends.collect::<Vec<_>>());
+            if tried >= HOPELESS && hoped < 0.0 {
+                return None;
+            }
             let next: Vec<f64> = at.iter().zip(&step).map(|(x, by)| x + TINY * by).collect();
             let better = self.linear(region, &next);
             let better = better.map(|rows| (depth_of(&rows), rows));
@@ -192,13 +198,13 @@ impl Problem {
     }
 
     /// Goes from a point that agrees with all records to where a quantity is least, or largest, as far as that is seen
-    /// without proof.
+    /// without proof, by steps that bring at least so much.
     pub(crate) fn climb(
         &self,
         region: &Region,
         point: &[f64],
-        quantity: usize,
-        is_upper: bool,
+        (quantity, is_upper): (usize, bool),
+        least: f64,
     ) -> Option<Vec<f64>> {
         let sign = if is_upper { -1.0 } else { 1.0 };
         let direction: Vec<f64> = region.axes[quantity].iter().map(|x| sign * x).collect();
@@ -210,6 +216,9 @@ impl Problem {
         for _ in 0..CLIMBS {
             let step = highest(&rows, trust / TINY, &direction);
             let next: Vec<f64> = at.iter().zip(&step).map(|(x, by)| x + TINY * by).collect();
+            if height(&best) - height(&next) < least {
+                break;
+            }
             let found = self.linear(region, &next);
             let found = found.map(|rows| (depth_of(&rows), rows));
             match found.filter(|(depth, _)| *depth > -ASTRAY) {

@@ -138,13 +138,15 @@ fn runs(input: &Input, at: usize, samples: &[Sample], is_firm: bool) -> Vec<Rang
     let count = samples.len();
     let begins: Vec<usize> = match (input.hold, is_firm) {
         (Hold::Sample, true) => (0..count).collect(),
-        _ if input.within.is_some() => {
-            let parts = PARTS.min(count);
-            (0..parts).map(|part| part * count / parts).collect()
+        _ => {
+            let parts = match input.within {
+                Some(_) => PARTS.min(count),
+                None => 1,
+            };
+            let is_part = |k: usize| (0..parts).any(|part| part * count / parts == k);
+            let is_new = |k: usize| samples[k].inputs[at] != samples[k - 1].inputs[at];
+            (0..count).filter(|k| is_part(*k) || is_new(*k)).collect()
         }
-        _ => (0..count)
-            .filter(|k| *k == 0 || samples[*k].inputs[at] != samples[k - 1].inputs[at])
-            .collect(),
     };
     let ends = begins.iter().skip(1).copied().chain([count]);
     begins

@@ -126,7 +126,10 @@ impl Doubtful {
         for (position, (affine, _)) in middle.rows.iter().enumerate() {
             let slopes = &affine.slopes;
             let bounds = open.iter().map(|told| {
-                let (own, told) = &told.rows[position];
+                // A sample that has fewer rows than others, as exact ones have, tells nothing more.
+                let Some((own, told)) = told.rows.get(position) else {
+                    return Interval::ENTIRE;
+                };
                 let pairs = own.slopes.iter().zip(slopes);
                 let unit = Interval::symmetric(1.0);
                 let off = pairs.fold(Interval::ZERO, |sum, (a, b)| {

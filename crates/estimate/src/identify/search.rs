@@ -59,6 +59,9 @@ const CLOSE: f64 = 0.02;
 /// the next one where a probe was of little use, as share of that,
 const NEARER: f64 = 0.4;
 
+/// A climb goes on while a step may bring this share of what is missing,
+const WORTH: f64 = 0.05;
+
 /// and where it ends.
 const NEAREST: f64 = 0.002;
 
@@ -220,7 +223,11 @@ impl<'a> Search<'a> {
             Job::Climb(param, side) => self.state.best[*param][*side].as_ref().and_then(|best| {
                 let quantity = self.wanted[*param];
                 let problem = self.problem;
-                let end = problem.climb(&best.region, &best.point, quantity, *side == 1)?;
+                let outer = self.outer(quantity);
+                let end = if *side == 0 { outer.lo() } else { outer.hi() };
+                let least = WORTH * (end - best.value).abs();
+                let goal = (quantity, *side == 1);
+                let end = problem.climb(&best.region, &best.point, goal, least)?;
                 problem.probe(&best.region, &end, &vec![best.reach; end.len()])
             }),
             Job::Middle(cell, reach) => {

@@ -29,13 +29,15 @@ pub(super) struct Moment {
 pub(super) struct Past {
     moments: VecDeque<Moment>,
     first: u64,
+    /// Inputs until the oldest of them.
+    before: Option<Vec<Interval>>,
 }
 
 impl Past {
     /// Forgets all.
     pub(super) fn clear(&mut self) {
         self.first += self.moments.len() as u64;
-        self.moments.clear();
+        self.before = self.moments.drain(..).next_back().map(|last| last.inputs);
     }
 
     /// Takes note of a sample, the one with number `sample`.
@@ -45,7 +47,7 @@ impl Past {
         }
         self.moments.push_back(moment);
         if self.moments.len() > most.max(2) {
-            self.moments.pop_front();
+            self.before = self.moments.pop_front().map(|oldest| oldest.inputs);
             self.first += 1;
         }
     }
@@ -94,12 +96,13 @@ impl Past {
     pub(super) fn inputs_at(&self, sample: u64) -> Vec<Interval> {
         let place = self.place(sample);
         let now = &self.moments[place].inputs;
-        match place.checked_sub(1) {
+        let before = match place.checked_sub(1) {
+            None => self.before.as_ref(),
+            Some(before) => Some(&self.moments[before].inputs),
+        };
+        match before {
             None => now.clone(),
-            Some(before) => {
-                let before = self.moments[before].inputs.iter();
-                before.zip(now).map(|(a, b)| a.hull(*b)).collect()
-            }
+            Some(before) => before.iter().zip(now).map(|(a, b)| a.hull(*b)).collect(),
         }
     }
 }

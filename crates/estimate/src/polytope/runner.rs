@@ -253,7 +253,8 @@ impl Runner {
                     return;
                 }
             };
-            if sample == newest {
+            // What has jumped there is not in the form.
+            if sample == newest && sight != Sight::Jumping {
                 here = Some(form.strips());
             }
             let strips = form.strips();
@@ -271,7 +272,7 @@ impl Runner {
                     found.anchor = Some((sample, states.collect()));
                 }
                 Sight::Blurred => found.hidden += 1,
-                Sight::None => {}
+                Sight::None | Sight::Jumping => {}
             }
             found.form = form.clone();
             found.at = sample;
@@ -302,7 +303,7 @@ impl Runner {
         let moment = past.moment(sample);
         let mut sight = Sight::None;
         if problem.outer.flow.may_jump(form, &past.inputs_at(sample)) {
-            return Ok((form, sight));
+            return Ok((form, Sight::Jumping));
         }
         for (quantity, told) in &moment.told {
             let output = &problem.outer.quantities[*quantity];
@@ -513,6 +514,8 @@ fn has_grown(before: &[Strip], now: &[Strip]) -> bool {
 /// How much a sample tells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Sight {
+    /// What is at the sample may have jumped there.
+    Jumping,
     None,
     Blurred,
     Clear,
