@@ -172,8 +172,7 @@ impl Problem {
     pub(crate) fn fit(&self, region: &Region, point: &[f64]) -> Option<Vec<f64>> {
         let mut at = point.to_vec();
         let mut trust = TRUST;
-        let mut rows = self.linear(region, &at)?;
-        let mut depth = depth_of(&rows);
+        let (mut depth, mut rows) = self.linear(region, &at)?;
         for tried in 0..FITS {
             if depth > 0.0 {
                 return Some(at);
@@ -188,7 +187,6 @@ impl Problem {
             }
             let next: Vec<f64> = at.iter().zip(&step).map(|(x, by)| x + TINY * by).collect();
             let better = self.linear(region, &next);
-            let better = better.map(|rows| (depth_of(&rows), rows));
             match better.filter(|(own, _)| *own > depth) {
                 Some(found) => (at, depth, rows) = (next, found.0, found.1),
                 None => trust *= 0.3,
@@ -212,7 +210,7 @@ impl Problem {
         let mut best = point.to_vec();
         let mut at = point.to_vec();
         let mut trust = TRUST;
-        let mut rows = self.linear(region, &at)?;
+        let (_, mut rows) = self.linear(region, &at)?;
         for _ in 0..CLIMBS {
             let step = highest(&rows, trust / TINY, &direction);
             let next: Vec<f64> = at.iter().zip(&step).map(|(x, by)| x + TINY * by).collect();
@@ -220,7 +218,6 @@ impl Problem {
                 break;
             }
             let found = self.linear(region, &next);
-            let found = found.map(|rows| (depth_of(&rows), rows));
             match found.filter(|(depth, _)| *depth > -ASTRAY) {
                 Some((depth, own)) => {
                     let is_near = step.iter().all(|x| x.abs() < 0.9 * trust / TINY);
@@ -243,9 +240,9 @@ impl Problem {
         Some(best)
     }
 
-    /// What is measured as linear functions about a point of a region, in unknowns that are [`TINY`] there; nothing
-    /// where a pass does not come to its end.
-    fn linear(&self, region: &Region, point: &[f64]) -> Option<Rows> {
+    /// What is measured as linear functions about a point of a region, in unknowns that are [`TINY`] there, and how deep
+    /// inside of it the point is; nothing where a pass does not come to its end.
+    fn linear(&self, region: &Region, point: &[f64]) -> Option<(f64, Rows)> {
         let part: Vec<Interval> = point
             .iter()
             .map(|x| Interval::point(*x).inflate(TINY))
@@ -273,7 +270,7 @@ impl Problem {
         for (i, believed) in self.believed().iter().enumerate() {
             all.push(&region.axes[i], region.offset(i), *believed, BELIEVED, 0);
         }
-        Some(all)
+        Some((depth_of(&all), all))
     }
 
     /// One pass through every record; also tells the smallest share of an axis that is left.

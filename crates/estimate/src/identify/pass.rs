@@ -443,11 +443,7 @@ impl Meeter<'_> {
         }
         if clear {
             self.hidden = 0;
-            let states = form.strips().into_iter().map(|strip| Affine {
-                rest: strip.remainder + Interval::point(strip.centre),
-                slopes: strip.slopes,
-            });
-            self.anchor(sample, states.collect());
+            self.anchor(sample, form);
         } else if blurred {
             self.hidden += 1;
             self.curvature = form.curvature();
@@ -468,12 +464,15 @@ impl Meeter<'_> {
         }
     }
 
-    /// Keeps the states at a sample, and in the long run of so many samples, about equally far from each other.
-    fn anchor(&mut self, sample: usize, states: Vec<Affine>) {
+    /// Keeps the states at a sample for windows to come, and in the long run of so many samples, about equally far from
+    /// each other.
+    fn anchor(&mut self, sample: usize, form: &Form) {
         let is_wanted = self.wanted.contains(&sample);
-        if !is_wanted && !(sample - self.span.from).is_multiple_of(self.apart) {
+        let is_next = (sample - self.span.from).is_multiple_of(self.apart);
+        if self.span.aim.is_for_points() || !(is_wanted || is_next) {
             return;
         }
+        let states = form.strips().into_iter().map(Affine::from).collect();
         self.anchors.push(Anchor { sample, states });
         if self.anchors.len() > ANCHORS + self.wanted.len() {
             self.apart *= 2;

@@ -5,6 +5,7 @@
 )]
 
 use serde::{Deserialize, Serialize};
+use veribound_flow::form::Strip;
 use veribound_interval::Interval;
 use veribound_interval::round::{sub_down, sub_up};
 
@@ -177,6 +178,15 @@ fn short(position: usize) -> u32 {
 pub(crate) struct Affine {
     pub(crate) slopes: Vec<f64>,
     pub(crate) rest: Interval,
+}
+
+impl From<Strip> for Affine {
+    fn from(strip: Strip) -> Affine {
+        Affine {
+            rest: strip.remainder + Interval::point(strip.centre),
+            slopes: strip.slopes,
+        }
+    }
 }
 
 impl Affine {

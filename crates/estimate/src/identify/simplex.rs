@@ -13,7 +13,7 @@
     reason = "PROOF: matrices are `n * n`, row by row, vectors `n` long; positions are those of rows"
 )]
 
-use super::rows::Rows;
+use super::rows::{Affine, Rows};
 use veribound_interval::Interval;
 
 /// Violations below this share of a row's size are none.
@@ -286,7 +286,12 @@ impl Program<'_> {
         self.bounds_because(direction).0
     }
 
-    /// The same, with the rows that hold the lower and the upper bound, each with its multiplier.
+    /// Proved bounds of a quantity that is affine in the unknowns, and something between.
+    pub(crate) fn around(&self, quantity: &Affine) -> Interval {
+        self.bounds(&quantity.slopes) + quantity.rest
+    }
+
+    /// The same as [`Program::bounds`], with the rows that hold the lower and the upper bound, each with its multiplier.
     pub(crate) fn bounds_because(&self, direction: &[f64]) -> (Interval, [Vec<(usize, f64)>; 2]) {
         let least = |sign: f64| {
             let direction: Vec<f64> = direction.iter().map(|x| sign * x).collect();

@@ -145,8 +145,8 @@ fn anchored(passed: &Passed, part: &[Interval], from: usize, known: &Junctions) 
     let later = passed.anchors.iter().filter(|anchor| anchor.sample > from);
     let boxes: Vec<(&Anchor, Vec<Interval>)> = later
         .map(|anchor| {
-            let around = |state: &Affine| program.bounds(&state.slopes) + state.rest;
-            let mut box_: Vec<Interval> = anchor.states.iter().map(around).collect();
+            let states = anchor.states.iter();
+            let mut box_: Vec<Interval> = states.map(|state| program.around(state)).collect();
             for (x, known) in box_
                 .iter_mut()
                 .zip(known.get(&anchor.sample).into_iter().flatten())
@@ -266,7 +266,7 @@ pub(crate) fn joined(
     for window in windows.iter().filter(|window| window.link.is_none()) {
         rows.take(&window.passed.rows, &window.kept, window.record);
     }
-    let (mut begin, mut deepest) = (0, None);
+    let (mut begin, mut deep) = (0, None);
     while begin < windows.len() {
         let (mut end, mut fresh) = (begin, 0);
         while end < windows.len()
@@ -276,8 +276,13 @@ pub(crate) fn joined(
             end += 1;
         }
         if fresh > 0 {
-            let (told, deep) = together(&windows[begin..end], (fresh, axes), &mut junctions)?;
-            deepest = deep.filter(|_| begin == 0 && end == windows.len());
+            let part = &windows[begin..end];
+            let (joint, left) = together(part, (fresh, axes), &mut junctions)?;
+            let told = projected(&joint, &left, fresh);
+            if part.len() == windows.len() {
+                let (point, depth) = deepest(&joint, &left);
+                deep = Some((point[fresh..].to_vec(), depth));
+            }
             let all: Vec<usize> = (0..axes).collect();
             let record = windows[begin].record;
             rows.take(&told, &all, record);
@@ -287,16 +292,16 @@ pub(crate) fn joined(
     Ok(Joined {
         rows,
         junctions,
-        deepest,
+        deepest: deep,
     })
 }
 
-/// What windows say of the axes; the unknowns of their own are projected away, and the states where they begin are told.
+/// What windows say of their own unknowns and the axes, and what that leaves of them; the states where they begin are told.
 fn together(
     windows: &[Window],
     (fresh, axes): (usize, usize),
     junctions: &mut [Junctions],
-) -> Result<(Rows, Option<Deepest>), (usize, Conflict)> {
+) -> Result<(Rows, Vec<Interval>), (usize, Conflict)> {
     let mut rows = Rows::new(fresh + axes);
     let mut columns: Vec<Vec<usize>> = Vec::with_capacity(windows.len());
     let mut begin = 0;
@@ -332,10 +337,7 @@ fn together(
         let box_ = (0..starts.centre.len()).map(|state| starts.range(state, &own));
         junctions[window.record].insert(link.sample, box_.collect());
     }
-    let (point, depth) = deepest(&rows, &part);
-    let point = point.get(fresh..).map(<[f64]>::to_vec);
-    let deep = point.map(|point| (point, depth));
-    Ok((projected(&rows, &part, fresh), deep))
+    Ok((rows, part))
 }
 
 /// What rows say of all unknowns but the first `fresh`.

@@ -254,10 +254,10 @@ impl Runner {
                 }
             };
             // What has jumped there is not in the form.
-            if sample == newest && sight != Sight::Jumping {
-                here = Some(form.strips());
-            }
             let strips = form.strips();
+            if sample == newest && sight != Sight::Jumping {
+                here = Some(strips.clone());
+            }
             let may_wait = begin + PATIENCE as u64 > newest;
             if is_passing || may_wait && has_grown(&before, &strips) {
                 return;
@@ -265,10 +265,7 @@ impl Runner {
             match sight {
                 Sight::Clear => {
                     found.hidden = 0;
-                    let states = strips.into_iter().map(|strip| Affine {
-                        rest: strip.remainder + Interval::point(strip.centre),
-                        slopes: strip.slopes,
-                    });
+                    let states = strips.into_iter().map(Affine::from);
                     found.anchor = Some((sample, states.collect()));
                 }
                 Sight::Blurred => found.hidden += 1,
@@ -495,8 +492,8 @@ impl Runner {
     pub(super) fn anchored(&self) -> Option<(u64, Vec<Interval>)> {
         let (sample, states) = self.anchor.as_ref()?;
         let program = Program::new(&self.rows, &self.part, Side::Outer);
-        let around = |state: &Affine| program.bounds(&state.slopes) + state.rest;
-        let box_: Vec<Interval> = states.iter().map(around).collect();
+        let states = states.iter();
+        let box_: Vec<Interval> = states.map(|state| program.around(state)).collect();
         let is_bounded = box_.iter().all(|x| x.is_bounded());
         (is_bounded && *sample > self.base).then_some((*sample, box_))
     }
