@@ -115,10 +115,10 @@ pub(super) struct Place {
 }
 
 /// A form at the end of a stretch, and where it is.
-struct Ended {
-    states: Vec<Vec<f64>>,
-    rest: Vec<Interval>,
-    hull: Vec<Interval>,
+pub(super) struct Ended {
+    pub(super) states: Vec<Vec<f64>>,
+    pub(super) rest: Vec<Interval>,
+    pub(super) hull: Vec<Interval>,
 }
 
 /// So many of the last places are remembered.
@@ -238,8 +238,8 @@ pub(super) struct Journey<'a> {
     /// Solutions that may creep away from where they stand.
     pub(super) creep: Option<Creep>,
     /// The end of the last stretch: what stands need not be bounded again.
-    ended: Option<Ended>,
-    begin: Interval,
+    pub(super) ended: Option<Ended>,
+    pub(super) begin: Interval,
     before: Vec<Interval>,
 }
 
@@ -431,17 +431,6 @@ impl<'a> Journey<'a> {
         self.current == stretch && self.left == whole.map_or(Interval::ZERO, |stretch| stretch.dt)
     }
 
-    /// Goes on with another form of other unknowns, from the begin of the stretch at hand; nothing that was certain of the one before
-    /// is of this one.
-    pub(super) fn restart(&mut self, form: Form) {
-        let elapsed = self.form.elapsed;
-        self.form = form;
-        self.form.elapsed = elapsed;
-        (self.acting, self.certain, self.ended) = (None, None, None);
-        self.earlier.clear();
-        self.enter(self.current);
-    }
-
     /// Shows the form at the begin of the stretch at hand.
     fn meet_form(&mut self) {
         if let Some(meet) = &mut self.meet {
@@ -552,7 +541,7 @@ impl<'a> Journey<'a> {
                     let certain = self.certain.take();
                     if let (None, Some(undecided)) = (&certain, undecided)
                         && self.left == self.stretches[self.current].dt
-                        && self.part_at_rest(&undecided).is_some()
+                        && self.break_away(&undecided).is_some()
                     {
                         return Ok(());
                     }

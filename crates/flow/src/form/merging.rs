@@ -206,41 +206,115 @@ impl Turn {
     }
 }
 
+/// Where a part of a form lies: an unknown of the whole is `middle + radius δ`, up to `off`, for that of the part.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Share {
+    middle: f64,
+    radius: f64,
+    off: f64,
+}
+
+impl Share {
+    pub(super) const WHOLE: Share = Share {
+        middle: 0.0,
+        radius: 1.0,
+        off: 0.0,
+    };
+
+    /// Of the part that [`Form::narrow`] makes.
+    pub(super) fn of(place: Interval) -> Share {
+        let (middle, radius) = place.mid_rad();
+        let off = 0.0;
+        Share {
+            middle,
+            radius,
+            off,
+        }
+    }
+
+    /// Of a part of this part: all numbers are at most about one, and four operations are rounded.
+    pub(super) fn part(self, place: Interval) -> Share {
+        let (middle, radius) = place.mid_rad();
+        Share {
+            middle: self.middle + self.radius * middle,
+            radius: self.radius * radius,
+            off: raised(self.off + 8.0 * UNIT, 1),
+        }
+    }
+}
+
 impl Form {
-    /// Forms of parts of this one, in each of which an unknown was narrowed to a part of the unit box, as one form of the unknowns of this one.
-    /// The first of them tells the polynomials.
+    /// Forms of parts of this one, in each of which an unknown was narrowed to a part of the unit box, as one form of the unknowns of
+    /// this one.
     ///
     /// Guarantee: the states of each are in it, for the unknowns of its part.
-    pub(super) fn joined(&self, v: usize, parts: &[(&Form, Interval); 2]) -> Form {
+    pub(super) fn joined(&self, v: usize, parts: &[(&Form, Share)]) -> Option<Form> {
         let monomials = &*self.monomials;
-        let mut form = parts[0].0.clone();
+        let widest = |a: &&(&Form, Share), b: &&(&Form, Share)| a.1.radius.total_cmp(&b.1.radius);
+        let (reference, whole) = *parts.iter().max_by(widest)?;
+        let powers = powers(monomials, v);
+        let rests: Vec<Vec<Interval>> = parts.iter().map(|(form, _)| form.frame.hull()).collect();
+        let mut form = reference.clone();
         form.params.clone_from(&self.params);
         form.within.clone_from(&self.within);
         form.unknowns.clone_from(&self.unknowns);
-        let rests = parts.map(|(part, _)| part.frame.hull());
         let mut deviations = Vec::with_capacity(form.states.len());
-        let (middle, radius) = parts[0].1.mid_rad();
         for (state, common) in form.states.iter_mut().enumerate() {
-            monomials.substitute(common, v, -middle / radius, 1.0 / radius);
-            let mut deviation = Interval::EMPTY;
-            for ((part, place), rest) in parts.iter().zip(&rests) {
-                let (middle, radius) = place.mid_rad();
-                let mut apart = common.clone();
-                let mut off = monomials.substitute(&mut apart, v, middle, radius);
-                for (a, b) in apart.iter_mut().zip(&part.states[state]) {
-                    *a = b - *a;
-                    off += UNIT * a.abs();
+            let (middle, radius) = (-whole.middle / whole.radius, 1.0 / whole.radius);
+            monomials.substitute(common, v, middle, radius);
+            let mut points = Vec::with_capacity(parts.len() * (POINTS + 1));
+            for (part, share) in parts {
+                let (apart, _) = share.apart(monomials, v, common, &part.states[state]);
+                for k in 0..=POINTS {
+                    let x = -1.0 + 2.0 * k as f64 / POINTS as f64;
+                    let y = powers.iter().rev().fold(0.0, |sum, a| sum * x + apart[*a]);
+                    points.push((share.middle + share.radius * x, y));
                 }
-                let off = raised(off, apart.len() + 1);
+            }
+            for (a, more) in powers.iter().zip(nearest(&points, powers.len() - 1)?) {
+                common[*a] += more;
+            }
+            let mut deviation = Interval::EMPTY;
+            for ((part, share), rest) in parts.iter().zip(&rests) {
+                let (apart, off) = share.apart(monomials, v, common, &part.states[state]);
                 deviation = deviation.hull(range(monomials, &apart).inflate(off) + rest[state]);
             }
             deviations.push(deviation);
         }
         form.frame = Frame::upright(deviations);
-        for (own, other) in form.signs.iter_mut().zip(&parts[1].0.signs) {
-            *own = own.or(*other);
+        for (part, _) in parts {
+            for (own, other) in form.signs.iter_mut().zip(&part.signs) {
+                *own = own.or(*other);
+            }
         }
-        form
+        Some(form)
+    }
+}
+
+impl Share {
+    /// How far a polynomial in the unknowns of the part is from one in those of the whole: a polynomial in those of the part, and how far from
+    /// that.
+    fn apart(
+        self,
+        monomials: &Monomials,
+        v: usize,
+        whole: &[f64],
+        part: &[f64],
+    ) -> (Vec<f64>, f64) {
+        let mut apart = whole.to_vec();
+        let mut off = monomials.substitute(&mut apart, v, self.middle, self.radius);
+        for (a, b) in apart.iter_mut().zip(part) {
+            *a = b - *a;
+            off += UNIT * a.abs();
+        }
+        if self.off > 0.0 {
+            // The unknown is at most about one.
+            let slopes = whole.iter().enumerate();
+            let slopes = slopes.map(|(a, x)| f64::from(monomials.exponents(a)[v]) * x.abs());
+            off += self.off * 1.001 * slopes.sum::<f64>();
+        }
+        let count = 2 * apart.len() + 4;
+        (apart, raised(off, count))
     }
 }
 
@@ -478,8 +552,10 @@ mod tests {
                 (form, place)
             };
             let parts = [part(cut, 1.0), part(-1.0, cut)];
-            let slices = parts.each_ref().map(|(form, place)| (form, *place));
-            let joined = base.joined(0, &slices);
+            let shares = parts
+                .each_ref()
+                .map(|(form, place)| (form, Share::of(*place)));
+            let joined = base.joined(0, &shares).unwrap();
             let rest = joined.frame.hull();
             for (form, place) in &parts {
                 let (middle, radius) = place.mid_rad();

@@ -63,6 +63,7 @@
 
 mod absorb;
 mod ahead;
+mod breakaway;
 mod closed;
 mod code;
 mod compare;
@@ -82,6 +83,7 @@ mod open;
 mod output;
 mod outward;
 mod parting;
+mod passing;
 mod piece;
 mod proved;
 mod range;

@@ -24,7 +24,6 @@ use super::journey::Journey;
 use super::monomials::Monomials;
 use super::open::Open;
 use super::outward::{UNIT, raised};
-use super::range::range;
 use super::regime::{Field, Watch};
 use super::set::{Form, ParamForm};
 use super::size::Size;
@@ -40,16 +39,8 @@ const CLEAR: f64 = 16.0;
 /// Nothing is gained where the border is a larger share of all values.
 const THICK: f64 = 0.25;
 
-/// Sets are divided where they rest only while there are fewer parts: it is worth it where solutions meet again later, and each part
-/// goes all the way.
-const AT_REST: usize = 8;
-
 /// Speeds in one part differ by this factor, or by a larger one where parts are few.
 const RATIOS: [f64; 4] = [4.0, 16.0, 64.0, 256.0];
-
-/// The border of those that leave a rest is at least and at most so wide a share of one unknown.
-const BORDER: f64 = 1.0 / 16_384.0;
-const BROAD: f64 = 1.0 / 256.0;
 
 /// A remainder of the new unknown above this is too much.
 const ROUGH: f64 = 1e-3;
@@ -146,71 +137,6 @@ impl Journey<'_> {
         self.parts = parts.into_iter().map(|part| self.fork(part)).collect();
         Some(())
     }
-
-    /// Divides a form that rests on a surface when a stretch begins into those solutions that stay and those that leave it in this
-    /// stretch, if there may be so many parts.
-    ///
-    /// At the end of the stretch the border is so near to the solutions that leave that it becomes one form with them.
-    pub(super) fn part_at_rest(&mut self, undecided: &Undecided) -> Option<()> {
-        if self.is_border || self.may_part < 2 || self.others + 1 >= AT_REST {
-            return None;
-        }
-        let open = &undecided.open;
-        let way = undecided.way?;
-        let (v, lo, hi, grows) = self.form.zeros_along(&open.polynomial, open.off)?;
-        let leaves_above = (way == Signs::POSITIVE) == grows;
-        let (stays, leaves) = if leaves_above {
-            ((-1.0, lo), (lo, 1.0))
-        } else {
-            ((hi, 1.0), (-1.0, hi))
-        };
-        let part = |form: &Form, (lo, hi): (f64, f64)| {
-            let mut unit = vec![Interval::symmetric(1.0); form.unknowns.len()];
-            unit[v] = Interval::new(lo, hi)?;
-            let mut form = form.clone();
-            form.narrow(&unit);
-            Some((form, unit[v]))
-        };
-        let (stay, _) = part(&self.form, stays)?;
-        let (mut all, place) = part(&self.form, leaves)?;
-        // The border within those that leave.
-        let (centre, radius) = place.mid_rad();
-        let (outer, inner) = if leaves_above {
-            let cut = (hi - centre) / radius;
-            ((cut, 1.0), (-1.0, cut))
-        } else {
-            let cut = (lo - centre) / radius;
-            ((-1.0, cut), (cut, 1.0))
-        };
-        all.options.absorb = f64::INFINITY;
-        let next = self.current + 1;
-        let moved = |ends: (f64, f64), is_border: bool| {
-            let (form, place) = part(&all, ends)?;
-            let mut journey = self.fork(Portion { form, is_border });
-            (journey.may_part, journey.until) = (1, next);
-            if is_border {
-                journey.creep_from_rest();
-            }
-            journey.run().ok()?;
-            (journey.is_at(next) && journey.parts.is_empty()).then_some((journey, place))
-        };
-        let (mut leaving, own) = moved(outer, false)?;
-        let (waiting, near) = moved(inner, true)?;
-        let slices = [(&leaving.form, own), (&waiting.form, near)];
-        let mut form = all.joined(v, &slices);
-        form.options = self.form.options;
-        form.settle().ok()?;
-        leaving.restart(form);
-        leaving.proved.join(&waiting.proved);
-        leaving.proved.steps += waiting.proved.steps;
-        leaving.until = self.until;
-        let stay = Portion {
-            form: stay,
-            is_border: false,
-        };
-        self.parts = vec![self.fork(stay), leaving];
-        Some(())
-    }
 }
 
 /// Where to cut values between `border` and `end`.
@@ -239,45 +165,6 @@ struct Turned {
 }
 
 impl Form {
-    /// Where along one unknown a polynomial can be zero, up to `off`, if that is at about one value of it whatever the others are;
-    /// and whether it grows with that unknown.
-    fn zeros_along(&self, polynomial: &[f64], off: f64) -> Option<(usize, f64, f64, bool)> {
-        let monomials = &*self.monomials;
-        let slope = |v: usize| polynomial[monomials.linear(v)];
-        let v =
-            (0..self.unknowns.len()).max_by(|a, b| slope(*a).abs().total_cmp(&slope(*b).abs()))?;
-        let grows = slope(v) > 0.0;
-        let on = |lo: f64, hi: f64| {
-            let (middle, radius) = Interval::new(lo, hi)?.mid_rad();
-            let mut part = polynomial.to_vec();
-            let lost = monomials.substitute(&mut part, v, middle, radius);
-            let values = range(monomials, &part).inflate(raised(off + lost, 1));
-            Some(if grows { values } else { -values })
-        };
-        let (mut below, mut above) = (-1.0, 1.0);
-        while above - below > 0.1 * BORDER {
-            let middle = 0.5 * (below + above);
-            let middle_is_above = on(middle, middle)?.mid() > 0.0;
-            *(if middle_is_above {
-                &mut above
-            } else {
-                &mut below
-            }) = middle;
-        }
-        let mut border = BORDER.max(CLEAR * off / slope(v).abs());
-        while border < BROAD {
-            let (lo, hi) = (below - border, above + border);
-            if lo <= -1.0 || hi >= 1.0 {
-                return None;
-            }
-            if on(-1.0, lo)?.hi() < 0.0 && on(hi, 1.0)?.lo() > 0.0 {
-                return Some((v, lo, hi, grows));
-            }
-            border *= 4.0;
-        }
-        None
-    }
-
     /// The same set in other unknowns: one of them is `decider`, scaled.
     ///
     /// Guarantee: for every `δ` of the unit box the states and parameters lie in the new form, at the unknowns that belong to

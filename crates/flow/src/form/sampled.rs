@@ -26,6 +26,7 @@ use super::journey::{Acting, Journey};
 use super::merging::Slice;
 use super::outward::raised;
 use super::parting::Turn;
+use super::passing::Passing;
 use super::piece::Piece;
 use super::set::Form;
 use super::step::{End, Prepared};
@@ -59,9 +60,8 @@ struct Sample {
     value: Value,
     /// Those that have crossed, each with the number of the stretch they did it in.
     behind: Vec<(usize, Form)>,
-    /// States and modes since the sample before.
-    tube: Vec<Interval>,
-    modes: ModeSet,
+    /// What is told of them.
+    passing: Passing,
 }
 
 /// All solutions of a set at the end of a stretch.
@@ -119,68 +119,35 @@ impl Journey<'_> {
             let from = number.checked_sub(1).map_or(-1.0, |k| zeros[k].lo());
             Interval::new(from, zeros[number].hi())
         };
-        let end = way.samples.pop()?;
-        let mut passed = Vec::with_capacity(way.samples.len());
-        let mut passing = Vec::new();
-        for (number, sample) in way.samples.iter().enumerate() {
+        let last = way.samples.len() - 1;
+        for (number, sample) in way.samples.iter_mut().enumerate() {
+            let mut slices = slices(&sample.behind, &place)?;
+            let behind = slices.iter().map(|slice| (slice, &slice.form.signs));
             let ahead = Slice {
                 form: &sample.ahead,
                 place: Interval::new(zeros[number].lo(), 1.0)?,
             };
-            let mut slices = slices(&sample.behind, &place)?;
-            let mut all = vec![Interval::EMPTY; self.form.states.len()];
-            let before = [(&ahead, &acting.regime.signs)];
-            let behind = slices.iter().map(|slice| (slice, &slice.form.signs));
-            for (slice, signs) in before.into_iter().chain(behind) {
+            let before = (number < last).then_some((&ahead, &acting.regime.signs));
+            for (slice, signs) in behind.chain(before) {
                 let mut hull = turn.hull(slice);
                 self.clip(signs, &mut hull);
-                for (all, x) in all.iter_mut().zip(hull) {
-                    *all = all.hull(x);
-                }
+                sample.passing.at(&hull);
             }
-            if self.meet.is_some() {
+            if self.meet.is_some() && number < last {
                 let arriving = way
                     .captured
                     .map(|captured| captured.arriving(&sample.ahead));
                 slices.push(ahead);
-                let copy = turn.merged(&slices)?;
-                passing.push((self.current + number + 1, copy, arriving));
+                sample.passing.copy = Some((turn.merged(&slices)?, arriving));
             }
-            passed.push(all);
         }
-        let mut form = turn.merged(&slices(&end.behind, &place)?)?;
+        let mut form = turn.merged(&slices(&way.samples[last].behind, &place)?)?;
         form.options = self.form.options;
         form.settle().ok()?;
         // Nothing fails from here on.
-        let mut tube = std::mem::take(&mut self.form.tube);
-        for (sample, all) in way.samples.into_iter().zip(passed) {
-            self.tell(&sample);
-            let next = self.outputs_on(&all, &self.stretches[self.current + 1].inputs);
-            let whole = tube.iter().zip(&sample.tube).map(|(a, b)| a.hull(*b));
-            self.proved.end(all, whole.collect());
-            self.proved.begin(next);
-            self.form = sample.ahead;
-            self.enter(self.current + 1);
-            tube = vec![Interval::EMPTY; form.states.len()];
-        }
-        self.tell(&end);
-        self.earlier.clear();
-        self.passed_by = passing;
-        form.tube = tube
-            .iter()
-            .zip(&end.tube)
-            .map(|(a, b)| a.hull(*b))
-            .collect();
-        self.form = form;
-        self.left = Interval::ZERO;
+        let samples = way.samples.into_iter();
+        self.pass_samples(samples.map(|sample| sample.passing).collect(), form);
         Some(())
-    }
-
-    /// Tells what happened on the way to a sample.
-    fn tell(&mut self, sample: &Sample) {
-        let outputs = self.outputs_on(&sample.tube, self.inputs());
-        self.proved.pass(&outputs, sample.modes);
-        self.proved.steps += 1 + sample.behind.len() as u64;
     }
 
     /// The way across, stretch by stretch.
@@ -201,23 +168,13 @@ impl Journey<'_> {
             }
             let left = own.left;
             let passed = own.in_stretch(acting, watch)?;
-            let (mut tube, mut modes) = (passed.during, acting.regime.modes);
-            let mut also = |other: &[Interval], others: ModeSet| {
-                for (x, y) in tube.iter_mut().zip(other) {
-                    *x = x.hull(*y);
-                }
-                modes = modes.union(others);
-            };
+            let mut passing = Passing::new(passed.during.len());
+            passing.through(&passed.during, acting.regime.modes, 1);
             for (_, journey) in &mut across {
-                journey.until = next;
-                journey.run().ok()?;
-                if !journey.is_at(next) || !journey.parts.is_empty() {
-                    return None;
-                }
-                also(journey.proved.tubes.last()?, *journey.proved.modes.last()?);
+                journey.go_to_sample(&mut passing)?;
             }
             if let Some(found) = passed.across {
-                also(&found.tube, found.modes);
+                passing.through(&found.tube, found.modes, 1);
                 let mut list = found.times;
                 list[0] += since;
                 times.push(list);
@@ -234,8 +191,7 @@ impl Journey<'_> {
                 ahead: ahead.clone(),
                 value: passed.value,
                 behind: behind.collect(),
-                tube,
-                modes,
+                passing,
             });
             if is_last {
                 let times = times.swap_remove(times.len() / 2);
