@@ -222,3 +222,83 @@ fn forms_at_samples_on_the_way_across() {
     println!("{passing} forms on the way, {captured} captured");
     assert!(passing > 20 && captured > 100);
 }
+
+/// From rest, friction known to 1 to 40 %, a torque that rises: solutions break away at samples of their own, and the forms that are shown at them
+/// contain each, wherever it is. One form tells of all again once all have left: not wider than a few of the spreads that boxes have.
+#[test]
+fn sets_that_break_away_while_samples_pass() {
+    let mut rng = Rng(number("VERIBOUND_SEED", 23));
+    let flow = Flow::new(&read("motor", MOTOR));
+    let (mut shown, mut waited, mut tight, mut all) = (0, 0, 0, 0);
+    for _ in 0..number("VERIBOUND_ROUNDS", 40) {
+        let wide = rng.pick(&[0.01, 0.05, 0.2, 0.4]);
+        let mut around = |middle: f64, wide: f64| {
+            let radius = wide * middle.abs() * rng.between(0.3, 1.0);
+            interval(middle - radius, middle + radius)
+        };
+        let params = [around(-2.0, 0.05), around(150.0, 0.05), around(0.15, wide)];
+        let way = rng.pick(&[1.0, -1.0]);
+        // From below what the least friction holds to above the largest, in up to twenty samples.
+        let rise = params[2].width() * rng.between(0.03, 0.5);
+        let mut level = params[2].lo() - rng.between(0.0, 3.0) * rise;
+        let levels = (0..60).map(|_| {
+            level +=
+                rise * rng.between(0.2, 1.8) * f64::from(u8::from(level < 1.05 * params[2].hi()));
+            way * level
+        });
+        let drive = Drive {
+            params,
+            speed: Interval::ZERO,
+            levels: levels.collect(),
+        };
+        let solutions: Vec<_> = (0..40).map(|_| drive.solution(&mut rng)).collect();
+        let form = flow.start(&drive.start(), &drive.params, FormOptions::default());
+        let unknowns = form.unknowns();
+        let mut reached = 0;
+        let mut meet = |meeting: Meeting<'_>| {
+            let Some(k) = meeting.stretch.checked_sub(1) else {
+                return;
+            };
+            reached = reached.max(k);
+            shown += usize::from(meeting.is_passing);
+            let mut inner = [Interval::EMPTY; 2];
+            for (p, places) in &solutions {
+                let delta: Vec<f64> = unknowns
+                    .iter()
+                    .map(|(unknown, range)| match unknown {
+                        veribound_flow::form::Unknown::Param(i) => {
+                            (p[1 + i] - range.mid()) / range.rad()
+                        }
+                        other => panic!("{other:?} is known"),
+                    })
+                    .collect();
+                for i in 0..2 {
+                    let form = meeting.form.state(i);
+                    let terms = form.slopes.iter().zip(&delta).map(|(s, d)| s * d);
+                    let line = form.centre + terms.sum::<f64>();
+                    let own = (Interval::point(line) + form.remainder).inflate(SLACK);
+                    assert!(
+                        own.contains(places[k][i]),
+                        "{p:?} at {k}: {:?} {own}",
+                        places[k]
+                    );
+                    assert!(form.hull.inflate(SLACK).contains(places[k][i]));
+                    inner[i] = inner[i].hull(Interval::point(places[k][i]));
+                }
+                waited += usize::from(meeting.is_passing && places[k][1] == 0.0);
+            }
+            if k + 1 == drive.levels.len() {
+                let ratio =
+                    |i: usize| meeting.form.state(i).hull.width() / (inner[i].width() + 1e-6);
+                tight += usize::from(ratio(0).max(ratio(1)) < 1.5);
+            }
+        };
+        let done = flow.follow(form, &drive.stretches(), &mut meet, &|_| true);
+        assert!(done.is_ok(), "{done:?} after {reached} samples");
+        all += 1;
+    }
+    println!(
+        "{shown} forms on the way, {waited} solutions at rest in them, {tight} of {all} tight at the end"
+    );
+    assert!(shown > 3 * all && waited > 20 * all && 10 * tight >= 9 * all);
+}

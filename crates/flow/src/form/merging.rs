@@ -575,6 +575,75 @@ mod tests {
         }
     }
 
+    /// Parts of parts are where they say: three slices of a function that bends where they meet.
+    #[test]
+    fn parts_of_parts_are_in_the_joined_form() {
+        let mut draw = Draw(4);
+        let (mut checks, mut nearest) = (0, f64::INFINITY);
+        for _ in 0..100 {
+            let mut base = form();
+            let monomials = Arc::clone(&base.monomials);
+            for polynomial in &mut base.states {
+                *polynomial = self::polynomial(&monomials, &mut draw, [1.0, 1.0, 0.1, 0.01]);
+            }
+            let steep = 0.1 * draw.next();
+            let part = |form: &Form, lo: f64, hi: f64| {
+                let place = Interval::new(lo, hi).unwrap();
+                let mut form = form.clone();
+                form.narrow(&[place, Interval::symmetric(1.0)]);
+                (form, place)
+            };
+            let bent = |mut form: Form, factor: f64| {
+                let linear = monomials.linear(0);
+                for polynomial in &mut form.states {
+                    // Grows from where the part before ends.
+                    polynomial[linear] += factor;
+                    polynomial[0] += factor;
+                }
+                form
+            };
+            let (first, own) = part(&base, -1.0, 0.6 * draw.next());
+            let (rest, others) = part(&base, own.hi(), 1.0);
+            let (second, middle) = part(&rest, -1.0, 0.6 * draw.next());
+            let (third, last) = part(&rest, middle.hi(), 1.0);
+            let whole = Share::WHOLE;
+            let parts = [
+                (first, whole.part(own)),
+                (bent(second, 0.5 * steep), whole.part(others).part(middle)),
+                (bent(third, steep), whole.part(others).part(last)),
+            ];
+            let joined = base.joined(0, &parts.each_ref().map(|(form, share)| (form, *share)));
+            let joined = joined.unwrap();
+            let rest = joined.frame.hull();
+            for (form, share) in &parts {
+                assert!(share.off > 0.0 && share.off < 1e-14, "{share:?}");
+                for _ in 0..20 {
+                    let own = [draw.next(), draw.next(), 0.0, 0.0];
+                    let at = [share.middle + share.radius * own[0], own[1], 0.0, 0.0];
+                    for state in 0..2 {
+                        let there = value(&monomials, &form.states[state], &own);
+                        let near = value(&monomials, &joined.states[state], &at);
+                        let bound = rest[state].inflate(1e-13);
+                        assert!(bound.contains(there - near), "{there} {near} {bound}");
+                        let room = (there - near - rest[state].lo())
+                            .abs()
+                            .min((rest[state].hi() - there + near).abs());
+                        nearest = nearest.min(room / rest[state].width());
+                        checks += 1;
+                    }
+                }
+            }
+            assert!(
+                rest.iter().all(|x| x.mag() < 2.0 * steep.abs() + 1e-9),
+                "{rest:?} {steep}"
+            );
+        }
+        assert!(
+            checks > 10_000 && nearest < 0.02,
+            "the bound is not idle: {nearest}"
+        );
+    }
+
     /// Where a polynomial that grows with the new unknown is zero.
     #[test]
     fn zeros_are_found() {

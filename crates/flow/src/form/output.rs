@@ -242,10 +242,16 @@ impl Form {
                 param.radius = raised(param.radius + off, 1);
             }
         }
-        let by: Vec<Interval> = lost
-            .iter()
-            .map(|x| Interval::symmetric(raised(*x, parts.len())))
-            .collect();
+        // What stands on a level stays there to the last bit.
+        let by = lost.iter().map(|x| {
+            let off = if *x > 0.0 {
+                raised(*x, parts.len())
+            } else {
+                0.0
+            };
+            Interval::symmetric(off)
+        });
+        let by: Vec<Interval> = by.collect();
         self.widen(&by);
     }
 
