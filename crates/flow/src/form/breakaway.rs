@@ -157,7 +157,6 @@ impl Journey<'_> {
             journey.enter(stretch);
             journey
         };
-        let mut parted = Some(first.clone());
         let mut resting = beside(&self.form, self.current);
         let mut share = Share::WHOLE;
         let mut gone = Vec::new();
@@ -168,7 +167,15 @@ impl Journey<'_> {
                 let end = Journey::go_to_sample(journey, &mut passing)?;
                 passing.at(end);
             }
-            if let Some(parted) = parted.take().filter(|parted| parted.unknown == v) {
+            let parted = match resting.regime() {
+                _ if stretch == self.current => Some(first.clone()),
+                Ok(_) => None,
+                Err(undecided) => Some(resting.parted(&undecided?)?),
+            };
+            if let Some(parted) = parted {
+                if parted.unknown != v {
+                    return None;
+                }
                 let own = &parted.passing;
                 passing.at(&own.hull);
                 passing.through(&own.tube, own.modes, own.steps);
@@ -193,10 +200,6 @@ impl Journey<'_> {
                 passing.copy = Some((self.form.joined(v, &all)?, None));
             }
             samples.push(passing);
-            parted = match resting.regime() {
-                Ok(_) => None,
-                Err(undecided) => Some(resting.parted(&undecided?)?),
-            };
         }
         None
     }
