@@ -49,7 +49,8 @@
 //! signs of the expressions in guards (`regime.rs`); they are watched along every step (`watching.rs`). Where
 //! one may change, all solutions cross its zero together, each at a time of its own that is a polynomial in
 //! the unknowns (`crossing.rs`): into another mode, into one that holds the surface (stick), out of it, over a kink, or
-//! through a jump of the state; in as many stretches as that takes, each with its own inputs (`sampled.rs`). So states stay functions of the unknowns. Where what comes next depends on the solution, as
+//! through a jump of the state; in as many stretches as that takes, each with its own inputs (`sampled.rs`).
+//! Those that rest and leave at samples of their own are one form again once all have left (`breakaway.rs`). So states stay functions of the unknowns. Where what comes next depends on the solution, as
 //! where some stick and others turn, the set is divided along what decides (`open.rs`, `parting.rs`), and those that
 //! hesitate stay within bounds of their own (`creeping.rs`). Where a crossing cannot be proved, because some
 //! solutions graze or stay behind, boxes go on for a moment (`mixed.rs`).
