@@ -321,3 +321,61 @@ fn sets_that_break_away_while_samples_pass() {
     );
     assert!(shown > 3 * all && waited > 20 * all && 10 * tight >= 9 * all);
 }
+
+/// The sampled sine that integrators are compared with, all its stops and break-aways: at every sample nearly as narrow as what 729 exact
+/// solutions fill.
+#[test]
+fn the_sampled_sine_is_tight_at_every_sample() {
+    let drive = Drive {
+        params: [
+            interval(-2.05, -1.95),
+            interval(99.0, 101.0),
+            interval(0.098, 0.102),
+        ],
+        speed: Interval::ZERO,
+        levels: (0..1000)
+            .map(|k| 0.25 * (0.8 * DT * f64::from(k)).sin())
+            .collect(),
+    };
+    let flow = Flow::new(&read("motor", MOTOR));
+    let (options, effort) = (FormOptions::default(), Effort::default());
+    let found = flow.enclose(
+        &drive.start(),
+        &drive.params,
+        &drive.stretches(),
+        options,
+        effort,
+    );
+    assert!(found.stopped.is_none() && found.ends.len() == 1000);
+    let mut inner = vec![[Interval::EMPTY; 2]; 1000];
+    for number in 0..729_usize {
+        let share = |i: u32| (number / 9_usize.pow(i) % 9) as f64 / 8.0;
+        let p = [0, 1, 2].map(|i: u32| {
+            let range = drive.params[i as usize];
+            (range.lo() + share(i) * range.width()).min(range.hi())
+        });
+        let (mut x, mut v) = (0.0, 0.0);
+        for (k, u) in drive.levels.iter().enumerate() {
+            (x, v) = rig_step(x, v, *u, p, DT);
+            for (i, value) in [x, v].into_iter().enumerate() {
+                assert!(
+                    found.ends[k][i].inflate(SLACK).contains(value),
+                    "{p:?} at {k}"
+                );
+                inner[k][i] = inner[k][i].hull(Interval::point(value));
+            }
+        }
+    }
+    let mut worst = (0.0, 0, 0);
+    for (k, (end, inner)) in found.ends.iter().zip(&inner).enumerate() {
+        for i in 0..2 {
+            let ratio = (end[i].width() - 1e-6) / (inner[i].width() + 1e-12);
+            if ratio > worst.0 {
+                worst = (ratio, k, i);
+            }
+        }
+    }
+    let last = [0, 1].map(|i| found.ends[999][i].width() / inner[999][i].width());
+    println!("at most {worst:?}, at the end {last:?}");
+    assert!(worst.0 < 1.5 && last[0].max(last[1]) < 1.005);
+}

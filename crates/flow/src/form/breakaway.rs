@@ -7,7 +7,7 @@
 //!    unknown, whatever the others are, that unknown tells the parts: those that stay, those that leave, and the *border* in between.
 //! 2. The border creeps (`creeping.rs`). At the end of the stretch it is so near to those that leave that both become one form.
 //! 3. Once all have left, in a few stretches, they become one form again (`merging.rs`): what solutions have gained by leaving earlier is nearly
-//!    a function of the unknown. Where some rest for longer, the set stays divided, if there may be so many parts.
+//!    a function of the unknown. Where there may be so many parts they stay divided, and so they do where some rest for longer.
 #![allow(
     clippy::indexing_slicing,
     reason = "PROOF: one entry per state, unknowns by their positions, surfaces in the order of their list"
@@ -63,8 +63,8 @@ struct Parted {
 }
 
 impl Journey<'_> {
-    /// Takes a form that rests when a stretch begins to where all its solutions have left the surface, each in a stretch of its own; or
-    /// divides it into those that stay and those that leave in this stretch, if there may be so many parts. `None`, and nothing is
+    /// Takes a form that rests when a stretch begins to where all its solutions have left the surface, each in a stretch of its own, as one form or
+    /// as parts, if there may be so many; or divides it into those that stay and those that leave in this stretch. `None`, and nothing is
     /// changed, if neither is proved.
     pub(super) fn break_away(&mut self, undecided: &Undecided) -> Option<()> {
         if self.is_border {
@@ -72,17 +72,37 @@ impl Journey<'_> {
         }
         let parted = self.parted(undecided)?;
         let surface = undecided.open.surface;
-        if let Some((passings, form)) = self.all_break_away(&parted, surface) {
-            self.pass_samples(passings, form);
+        let portion = |form: Form| Portion {
+            form,
+            is_border: false,
+        };
+        if let Some((mut samples, gone)) = self.all_break_away(&parted, surface) {
+            if gone.len() > self.may_part || self.others + gone.len() > AT_REST {
+                let all: Vec<_> = gone.iter().map(|(form, share)| (form, *share)).collect();
+                let mut form = self.form.joined(parted.unknown, &all)?;
+                form.options = self.form.options;
+                form.choose_order();
+                form.settle().ok()?;
+                self.pass_samples(samples, form);
+                return Some(());
+            }
+            let mut parts = Vec::with_capacity(gone.len());
+            for (mut form, _) in gone {
+                form.options = self.form.options;
+                // What began at a point has its widths by now.
+                form.choose_order();
+                form.settle().ok()?;
+                let mut part = self.fork(portion(form.clone()));
+                part.pass_samples(samples.clone(), form);
+                parts.push(part);
+                samples.iter_mut().for_each(|sample| sample.steps = 0);
+            }
+            self.parts = parts;
             return Some(());
         }
         if self.may_part < 2 || self.others + 1 >= AT_REST {
             return None;
         }
-        let portion = |form: Form| Portion {
-            form,
-            is_border: false,
-        };
         let mut gone = self.fork(portion(parted.gone.clone()));
         gone.pass_samples(vec![parted.passing], parted.gone);
         self.parts = vec![self.fork(portion(parted.stay)), gone];
@@ -147,8 +167,13 @@ impl Journey<'_> {
         })
     }
 
-    /// The way to the end of the stretch in which the last solutions leave, and the form of all of them there, if they leave in few stretches.
-    fn all_break_away(&self, first: &Parted, surface: usize) -> Option<(Vec<Passing>, Form)> {
+    /// The way to the end of the stretch in which the last solutions leave, if they leave in few stretches; and there the forms of those that left in
+    /// the same stretch.
+    fn all_break_away(
+        &self,
+        first: &Parted,
+        surface: usize,
+    ) -> Option<(Vec<Passing>, Vec<(Form, Share)>)> {
         let v = first.unknown;
         let beside = |form: &Form, stretch: usize| {
             let mut form = form.clone();
@@ -187,16 +212,17 @@ impl Journey<'_> {
             let is_last = resting.regime().ok()?.signs[surface] != Signs::ZERO;
             let end = resting.go_to_sample(&mut passing)?;
             passing.at(end);
-            let all = gone.iter().map(|(journey, share)| (&journey.form, *share));
-            let all: Vec<_> = all.chain([(&resting.form, share)]).collect();
             if is_last {
-                let mut form = self.form.joined(v, &all)?;
-                form.options = self.form.options;
-                form.settle().ok()?;
                 samples.push(passing);
-                return Some((samples, form));
+                gone.push((resting, share));
+                let forms = gone
+                    .into_iter()
+                    .map(|(journey, share)| (journey.form, share));
+                return Some((samples, forms.collect()));
             }
             if self.meet.is_some() {
+                let all = gone.iter().map(|(journey, share)| (&journey.form, *share));
+                let all: Vec<_> = all.chain([(&resting.form, share)]).collect();
                 passing.copy = Some((self.form.joined(v, &all)?, None));
             }
             samples.push(passing);

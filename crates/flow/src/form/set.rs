@@ -320,16 +320,17 @@ impl Form {
             signs: Vec::new(),
             within: Vec::new(),
         };
-        form.order = form.usual_order();
+        form.choose_order();
         form.tube = form.quick_hull();
         form
     }
 
     /// Coefficients shrink by about `e^2` an order on steps of the best length; one less than a multiple of
-    /// four makes whole vectors.
-    fn usual_order(&self) -> usize {
+    /// four makes whole vectors. Scratch is for the order that it was made with.
+    pub(super) fn choose_order(&mut self) {
         if let Some(order) = self.options.order {
-            return order.clamp(4, HIGHEST);
+            self.order = order.clamp(4, HIGHEST);
+            return;
         }
         let share = |state: usize| {
             let width: f64 = self.states[state][1..].iter().map(|x| x.abs()).sum();
@@ -337,7 +338,7 @@ impl Form {
         };
         let least = (0..self.states.len()).map(share).fold(1.0, f64::min);
         let orders = -0.5 * least.max(1e-17).ln();
-        (orders / 4.0).round().clamp(2.0, 8.0) as usize * 4 - 1
+        self.order = (orders / 4.0).round().clamp(2.0, 8.0) as usize * 4 - 1;
     }
 
     /// Products of coefficients in one multiplication of polynomials.
