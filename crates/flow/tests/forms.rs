@@ -90,7 +90,7 @@ fn attack(model: &Smooth, rng: &mut Rng, trials: &mut Trials) {
                     hull[i]
                 );
                 assert!(
-                    hull[i].is_subset_of(tube[i].inflate(1e-9 + 0.05 * tube[i].width())),
+                    hull[i].is_subset_of(tube[i].inflate(1e-9 + 0.5 * tube[i].width())),
                     "{name}: {} {}",
                     hull[i],
                     tube[i]
