@@ -20,6 +20,9 @@ use veribound_interval::Interval;
 /// Widths below this are those of rounding.
 const NARROW: f64 = 1e-7;
 
+/// Moves a point, its state and parameters, through all samples.
+type Solve<'a> = dyn FnMut(&[f64], &[f64]) -> Vec<Vec<f64>> + 'a;
+
 /// A model, what is uncertain, and stretches that end at samples: length and input.
 struct Sampled {
     text: String,
@@ -58,12 +61,8 @@ impl Sampled {
 
     /// Widths proved and of sampled solutions, of every state at every sample.
     ///
-    /// `solve` moves a point (state, parameters) through all samples, and is asked for a grid of so many values each.
-    fn widths(
-        &self,
-        grid: usize,
-        solve: &mut dyn FnMut(&[f64], &[f64]) -> Vec<Vec<f64>>,
-    ) -> Vec<Vec<[f64; 2]>> {
+    /// `solve` is asked for a grid of so many values of each quantity.
+    fn widths(&self, grid: usize, solve: &mut Solve<'_>) -> Vec<Vec<[f64; 2]>> {
         let found = self.enclose();
         let states = self.start.len();
         let uncertain: Vec<Interval> = self.start.iter().chain(&self.params).copied().collect();

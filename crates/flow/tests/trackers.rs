@@ -509,7 +509,7 @@ fn polynomial_solutions_take_finite_steps() {
     assert!((2..1000).contains(&found.steps), "{}", found.steps);
     let x = found.ends[1][0];
     assert!(
-        x.contains(0.5 * 1000.000_001_f64.powi(2)) && x.width() < 1e-6,
+        x.contains(0.5 * 1_000.000_001_f64.powi(2)) && x.width() < 1e-6,
         "{x}"
     );
 }
