@@ -8,6 +8,9 @@ Needs nothing but Python: the peers are installed from PyPI into `target/peers/p
 `--without capd` leaves it out. Codac (`codac`) comes as a wheel. Ours is run by
 `cargo bench -p veribound-flow --bench forms`. A ratio above one says how many times the peer is wider or slower.
 
+A peer that has not answered after `--limit` seconds of CPU time (120) is given up, and its row says so: the table
+always comes to its end.
+
 Nothing depends on this script: no test, no build, and not the product.
 """
 
@@ -16,6 +19,8 @@ import json
 import os
 import pathlib
 import re
+import resource
+import signal
 import subprocess
 import sys
 
@@ -121,17 +126,27 @@ def install(name):
     return None if done.returncode == 0 else (lines[-1] if lines else "pip failed")
 
 
-def ask(name, case, divided):
-    """Runs one peer in its environment, in a process of its own: some of them crash."""
+def ask(name, case, divided, limit):
+    """Runs one peer in its environment, in a process of its own: some of them crash, and some do not end."""
     command = [PLACE / "bin" / "python", __file__, "--worker", name, case, str(divided)]
+
+    def bound():
+        resource.setrlimit(resource.RLIMIT_CPU, (limit, limit + 1))
+
+    # What waits takes no CPU time, and a busy machine gives little of it.
+    patience = 20 * limit
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=patience, preexec_fn=bound
+        )
     except subprocess.TimeoutExpired:
-        return "no answer in 600 s"
+        return f"gave up after {patience} s of waiting"
     if done.returncode == 0:
         return json.loads(done.stdout)
+    if -done.returncode in (signal.SIGXCPU, signal.SIGKILL):
+        return f"gave up after {limit} s"
     lines = done.stderr.strip().splitlines()
-    return lines[-1] if lines else f"exit code {done.returncode}"
+    return f"fails: {lines[-1] if lines else f'exit code {done.returncode}'}"
 
 
 def ours(names):
@@ -153,6 +168,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("cases", nargs="*", metavar="CASE", help=f"of {', '.join(CASES)}")
     parser.add_argument("--without", action="append", default=[], choices=PEERS)
+    parser.add_argument(
+        "--limit", type=int, default=120, metavar="SECONDS", help="CPU time for a row of a peer"
+    )
     parser.add_argument("--worker", nargs=3, help=argparse.SUPPRESS)
     words = parser.parse_args()
     if words.worker:
@@ -172,9 +190,9 @@ def main():
             counts = CASES[name]["divided"] if peer == "capd" else [1]
             for divided in [] if missing[peer] else counts:
                 label = peer if divided == 1 else f"{peer} {divided} parts each"
-                answer = ask(peer, name, divided)
+                answer = ask(peer, name, divided, words.limit)
                 if isinstance(answer, str):
-                    print(f"{'':8} {label:22} fails: {answer}")
+                    print(f"{'':8} {label:22} {answer}")
                     continue
                 seconds, widths = answer
                 ratios = [w / o for w, o in zip(widths, own["widths"])]

@@ -11,7 +11,7 @@ mod common;
 
 use common::models::{self, Target};
 use common::truth::{Events, Sim};
-use common::{Rng, interval, read};
+use common::{Rng, Trials, interval, number, read};
 use veribound_flow::{StepFailure, StepOptions, System, Workspace};
 use veribound_interval::Interval;
 
@@ -54,12 +54,20 @@ fn assert_inside(what: &str, target: &Target, sim: &Sim, boxes: &[Interval], sto
     }
 }
 
-/// Attacks one model; returns what happened, the steps proved, and those given up.
-fn attack(target: &Target, seed: u64, cases: usize) -> (Events, u64, u64) {
+/// What happened, the steps proved, those given up, and how often solutions were compared.
+#[derive(Default)]
+struct Tally {
+    events: Events,
+    proved: u64,
+    given_up: u64,
+    trials: Trials,
+}
+
+fn attack(target: &Target, seed: u64, cases: u64) -> Tally {
     let model = read(target.name, target.text);
     let system = System::new(&model);
     let mut rng = Rng(seed);
-    let (mut events, mut proved, mut given_up) = (Events::default(), 0, 0);
+    let mut tally = Tally::default();
     for case in 0..cases {
         let options = StepOptions {
             order: 1 + rng.below(6),
@@ -112,14 +120,14 @@ fn attack(target: &Target, seed: u64, cases: usize) -> (Events, u64, u64) {
                 Interval::point(h),
                 &mut workspace,
             ) {
-                Ok(_) => proved += 1,
+                Ok(_) => tally.proved += 1,
                 Err(StepFailure::Unbounded) => panic!(
                     "{}: bounds crossed: {before:?} {params:?} {inputs:?} h {h} {options:?}",
                     target.name
                 ),
                 Err(_) => {
                     assert_eq!(states, before, "a failure changes nothing");
-                    given_up += 1;
+                    tally.given_up += 1;
                     break;
                 }
             }
@@ -139,37 +147,43 @@ fn attack(target: &Target, seed: u64, cases: usize) -> (Events, u64, u64) {
                     sim.advance(&u, cut - now, &mut rng);
                     now = cut;
                     assert_inside("tube", target, sim, workspace.tube(), &story);
+                    tally.trials.checks += 1;
                 }
                 assert_inside("end", target, sim, &states, &story);
+                tally.trials.checks += 1;
             }
         }
         for sim in &sims {
-            events.add(sim.events);
+            tally.events.add(sim.events);
         }
+        tally.trials.solutions += sims.len() as u64;
     }
-    (events, proved, given_up)
+    tally
 }
 
 #[test]
 fn no_step_loses_a_solution() {
     let list = models::ALL.into_iter().chain([&models::RIG_EXPLICIT]);
-    let cases: usize = std::env::var("ATTACK_CASES").map_or(250, |n| n.parse().unwrap());
-    let seed: u64 = std::env::var("ATTACK_SEED").map_or(1, |n| n.parse().unwrap());
-    let mut failures = Vec::new();
+    let (cases, seed) = (number("VERIBOUND_ROUNDS", 250), number("VERIBOUND_SEED", 1));
+    let (mut failures, mut trials) = (Vec::new(), Trials::default());
     for (k, target) in list.enumerate() {
-        if std::env::var("ATTACK_ONLY").is_ok_and(|only| !target.name.contains(&only)) {
-            continue;
-        }
         let seed = seed * 1000 + k as u64;
         let run = std::panic::catch_unwind(|| attack(target, seed, cases));
         match run {
-            Ok((events, proved, given_up)) => {
+            Ok(tally) => {
+                let Tally {
+                    events,
+                    proved,
+                    given_up,
+                    ..
+                } = tally;
+                trials.add(tally.trials);
                 println!(
                     "{}: {proved} steps, {given_up} given up, {events:?}",
                     target.name
                 );
                 let met = events.captures + events.crossings + events.kinks;
-                assert!(met > cases as u64 / 4, "{} meets no event", target.name);
+                assert!(met > cases / 4, "{} meets no event", target.name);
                 assert!(
                     given_up * 50 < proved,
                     "{} is given up too often",
@@ -179,5 +193,6 @@ fn no_step_loses_a_solution() {
             Err(_) => failures.push(target.name),
         }
     }
+    trials.told("single steps");
     assert!(failures.is_empty(), "solutions lost: {failures:?}");
 }

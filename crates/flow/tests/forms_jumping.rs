@@ -11,7 +11,7 @@ mod common;
 
 use common::hybrid::{Events, Sim};
 use common::jumping::{ALL, Jumping};
-use common::{Rng, interval, number, read};
+use common::{Rng, Trials, interval, number, read};
 use veribound_flow::form::{Effort, Flow, FormOptions, Stretch};
 use veribound_interval::Interval;
 
@@ -28,6 +28,7 @@ struct Seen {
     proved: u64,
     stopped: u64,
     events: Events,
+    trials: Trials,
 }
 
 fn attack(model: &Jumping, flow: &Flow, seed: u64, seen: &mut Seen) {
@@ -84,7 +85,9 @@ fn attack(model: &Jumping, flow: &Flow, seed: u64, seen: &mut Seen) {
             if !inside(end, &truth.x) {
                 say("at the end of", &truth.x, end);
             }
+            seen.trials.checks += 3;
         }
+        seen.trials.solutions += 1;
         seen.events.add(truth.events);
     }
 }
@@ -93,6 +96,7 @@ fn attack(model: &Jumping, flow: &Flow, seed: u64, seen: &mut Seen) {
 fn no_form_loses_a_solution_that_jumps() {
     let first = number("VERIBOUND_SEED", 0);
     let rounds = number("VERIBOUND_ROUNDS", 12);
+    let mut trials = Trials::default();
     for model in ALL {
         let flow = Flow::new(&read(model.name, model.text));
         let mut seen = Seen::default();
@@ -100,8 +104,10 @@ fn no_form_loses_a_solution_that_jumps() {
             attack(model, &flow, seed, &mut seen);
         }
         println!("{}: {seen:?}", model.name);
+        trials.add(seen.trials);
         assert!(seen.events.jumps > 0 && seen.proved > rounds, "{seen:?}");
     }
+    trials.told("forms of models that jump");
 }
 
 /// A stem that stands on a stop, and reaches the other one, while boxes go on for all times: what rounding moves behind

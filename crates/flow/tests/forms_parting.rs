@@ -9,7 +9,7 @@
 
 mod common;
 
-use common::{Rng, interval, number, read};
+use common::{Rng, Trials, interval, number, read};
 use veribound_flow::form::{Effort, Enclosure, Flow, FormOptions, Stretch};
 use veribound_interval::Interval;
 
@@ -198,9 +198,11 @@ impl Set {
     }
 
     /// Stops where a solution is lost; the hull of all of them at every sample.
-    fn sampled(&self, found: &Enclosure, rng: &mut Rng) -> Vec<[Interval; 2]> {
+    fn sampled(&self, found: &Enclosure, rng: &mut Rng, trials: &mut Trials) -> Vec<[Interval; 2]> {
         let mut solutions = self.solutions(rng);
         let mut hulls = Vec::new();
+        trials.solutions += solutions.len() as u64;
+        trials.checks += 2 * (solutions.len() * found.ends.len()) as u64;
         for (end, tube) in found.ends.iter().zip(&found.tubes) {
             let mut hull = [Interval::EMPTY; 2];
             for swing in &mut solutions {
@@ -227,7 +229,7 @@ impl Set {
     /// The worst of width proved over width sampled, for the angle, and where it is.
     fn worst(&self, parts: usize, rng: &mut Rng) -> (f64, usize) {
         let found = self.enclose(parts, None);
-        let hulls = self.sampled(&found, rng);
+        let hulls = self.sampled(&found, rng, &mut Trials::default());
         let ratios = hulls
             .iter()
             .zip(&found.ends)
@@ -265,7 +267,7 @@ fn a_pendulum_stays_or_turns_once_more() {
 #[test]
 fn no_solution_is_lost_where_outcomes_part() {
     let mut rng = Rng(number("VERIBOUND_SEED", 5));
-    let mut parted = 0;
+    let (mut parted, mut trials) = (0, Trials::default());
     for _ in 0..number("VERIBOUND_ROUNDS", 24) {
         let relative = rng.pick(&[1e-5, 1e-4, 1e-3]);
         // From where some pendulum of the set is between turning once more and not.
@@ -284,10 +286,11 @@ fn no_solution_is_lost_where_outcomes_part() {
         let set = Set::new(theta, relative, 3.0);
         let degree = rng.pick(&[None, Some(2), Some(4)]);
         let found = set.enclose(rng.pick(&[8, 16, 64]), degree);
-        set.sampled(&found, &mut rng);
+        set.sampled(&found, &mut rng, &mut trials);
         // What was between stays between.
         parted += usize::from(found.ends.last().unwrap()[1].width() > 0.0);
     }
     println!("{parted} sets parted");
+    trials.told("sets whose outcomes part");
     assert!(parted > 12);
 }

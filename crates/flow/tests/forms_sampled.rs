@@ -10,7 +10,7 @@
 
 mod common;
 
-use common::{Rng, interval, number, read, rig_step};
+use common::{Rng, Trials, interval, number, read, rig_step};
 use veribound_flow::form::{Effort, Flow, FormOptions, Meeting, Stretch};
 use veribound_interval::Interval;
 
@@ -101,7 +101,9 @@ fn solutions_that_stop_while_samples_pass() {
     let mut rng = Rng(number("VERIBOUND_SEED", 21));
     let flow = Flow::new(&read("motor", MOTOR));
     let (mut stops, mut tight, mut all) = (0, 0, 0);
-    for _ in 0..number("VERIBOUND_ROUNDS", 25) {
+    let mut trials = Trials::default();
+    let rounds = number("VERIBOUND_ROUNDS", 25);
+    for _ in 0..rounds {
         let drive = Drive::draw(&mut rng);
         let options = FormOptions {
             degree: rng.pick(&[None, None, Some(2), Some(4)]),
@@ -122,6 +124,8 @@ fn solutions_that_stop_while_samples_pass() {
         let mut inner = vec![[Interval::EMPTY; 2]; found.ends.len()];
         for _ in 0..60 {
             let (p, places) = drive.solution(&mut rng);
+            trials.solutions += 1;
+            trials.checks += 2 * places.len() as u64;
             for (k, place) in places.iter().enumerate() {
                 let is_stop = place[1] == 0.0 && (k > 0 && places[k - 1][1] != 0.0);
                 stops += usize::from(is_stop);
@@ -146,7 +150,8 @@ fn solutions_that_stop_while_samples_pass() {
         all += inner.len();
     }
     println!("{stops} stops, {tight} of {all} samples tight");
-    assert!(stops > 500);
+    trials.told("motors that stop while samples pass");
+    assert!(stops as u64 > 20 * rounds);
     assert!(tight as f64 > 0.8 * all as f64, "{tight} of {all}");
 }
 
@@ -157,9 +162,11 @@ fn forms_at_samples_on_the_way_across() {
     let mut rng = Rng(number("VERIBOUND_SEED", 22));
     let flow = Flow::new(&read("motor", MOTOR));
     let (mut passing, mut captured) = (0, 0);
+    let mut trials = Trials::default();
     for _ in 0..number("VERIBOUND_ROUNDS", 25) {
         let drive = Drive::draw(&mut rng);
         let solutions: Vec<_> = (0..20).map(|_| drive.solution(&mut rng)).collect();
+        trials.solutions += solutions.len() as u64;
         let form = flow.start(&drive.start(), &drive.params, FormOptions::default());
         let unknowns = form.unknowns();
         let mut meet = |meeting: Meeting<'_>| {
@@ -193,6 +200,7 @@ fn forms_at_samples_on_the_way_across() {
                         places[k]
                     );
                 }
+                trials.checks += 1;
                 if let Some(arriving) = &meeting.arriving {
                     let ahead = &arriving.ahead;
                     let line = Interval::point(at(ahead.centre, &ahead.slopes));
@@ -221,6 +229,7 @@ fn forms_at_samples_on_the_way_across() {
         let _ = flow.follow(form, &drive.stretches(), &mut meet, &|_| true);
     }
     println!("{passing} forms on the way, {captured} captured");
+    trials.told("forms at samples on the way across");
     assert!(passing > 20 && captured > 100);
 }
 

@@ -12,7 +12,7 @@ mod common;
 use common::case::{Case, assert_inside, options};
 use common::models::{self, Target};
 use common::truth::Events;
-use common::{Rng, interval, number, read};
+use common::{Rng, Trials, interval, number, read};
 use veribound_flow::form::{Effort, Enclosure, Flow, FormOptions, Stretch, Unknown};
 use veribound_interval::Interval;
 
@@ -22,7 +22,7 @@ struct Tally {
     events: Events,
     proved: u64,
     given_up: u64,
-    checks: u64,
+    trials: Trials,
 }
 
 /// A whole run, which may look ahead.
@@ -49,7 +49,7 @@ fn enclose(target: &Target, flow: &Flow, rng: &mut Rng, tally: &mut Tally) {
     let what = format!("{} enclosed with {chosen:?}", target.name);
     for (_, _, mut sim) in case.solutions(target, rng) {
         for k in 0..ends.len() {
-            tally.checks += case.follow(k, &mut sim, &tubes[k], rng, &what);
+            tally.trials.checks += 1 + case.follow(k, &mut sim, &tubes[k], rng, &what);
             assert_inside(
                 &format!("{what}, end of stretch {k}"),
                 &case,
@@ -58,6 +58,7 @@ fn enclose(target: &Target, flow: &Flow, rng: &mut Rng, tally: &mut Tally) {
             );
         }
         tally.events.add(sim.events);
+        tally.trials.solutions += 1;
     }
 }
 
@@ -81,7 +82,7 @@ fn advance(target: &Target, flow: &Flow, rng: &mut Rng, tally: &mut Tally) {
         tally.proved += 1;
         let (tube, hull) = (form.tube().to_vec(), form.hull());
         for (start, p, sim) in &mut solutions {
-            tally.checks += case.follow(k, sim, &tube, rng, &what);
+            tally.trials.checks += 2 + case.follow(k, sim, &tube, rng, &what);
             assert_inside(&format!("{what}, end of stretch {k}"), &case, sim, &hull);
             let own: Vec<Interval> = (0..sim.x.len())
                 .map(|i| {
@@ -104,6 +105,7 @@ fn advance(target: &Target, flow: &Flow, rng: &mut Rng, tally: &mut Tally) {
     }
     for (_, _, sim) in &solutions {
         tally.events.add(sim.events);
+        tally.trials.solutions += 1;
     }
 }
 
@@ -125,10 +127,11 @@ fn no_solution_is_lost_across_switches() {
         all.events.add(tally.events);
         all.proved += tally.proved;
         all.given_up += tally.given_up;
-        all.checks += tally.checks;
+        all.trials.add(tally.trials);
     }
     println!("{all:?}");
-    assert!(all.checks > 10_000 && all.events.crossings > 200 && all.events.captures > 200);
+    all.trials.told("forms across switches");
+    assert!(all.trials.checks > 10_000 && all.events.crossings > 200 && all.events.captures > 200);
 }
 
 /// A motor with dry friction, and how it is driven: one level for every sample of 10 ms.

@@ -11,7 +11,7 @@ mod common;
 
 use common::hybrid::{Events, Sim};
 use common::jumping::{ALL, Jumping};
-use common::{Rng, interval, read};
+use common::{Rng, Trials, interval, number, read};
 use veribound_flow::{StepOptions, System, Workspace, reduced};
 use veribound_interval::Interval;
 
@@ -67,6 +67,7 @@ struct Seen {
     steps: u64,
     failed: u64,
     events: Events,
+    trials: Trials,
 }
 
 /// Follows one set of starts and true solutions from it.
@@ -136,11 +137,13 @@ fn attack(model: &Jumping, seed: u64, seen: &mut Seen) {
                  {inputs:?}",
                 model.name, truth.x, follower.boxes
             );
+            seen.trials.checks += 3;
         }
         if follower.width() > 10.0 {
             break;
         }
     }
+    seen.trials.solutions += truths.len() as u64;
     for truth in truths {
         seen.events.add(truth.events);
     }
@@ -148,16 +151,19 @@ fn attack(model: &Jumping, seed: u64, seen: &mut Seen) {
 
 #[test]
 fn no_step_loses_a_solution_that_jumps() {
-    let cases = 60;
+    let (first, cases) = (number("VERIBOUND_SEED", 0), number("VERIBOUND_ROUNDS", 60));
+    let mut trials = Trials::default();
     for model in ALL {
         let mut seen = Seen::default();
-        for seed in 0..cases {
+        for seed in first..first + cases {
             attack(model, seed, &mut seen);
         }
         println!("{}: {seen:?}", model.name);
+        trials.add(seen.trials);
         assert!(seen.events.jumps >= cases, "{}: {seen:?}", model.name);
         assert!(seen.steps >= 3 * cases, "{}: {seen:?}", model.name);
     }
+    trials.told("single steps of models that jump");
 }
 
 fn follow(model: &Jumping, start: &[f64], params: &[f64], step: f64) -> Follower {

@@ -238,6 +238,79 @@ fn a_width_past_use_is_diagnosed() {
     assert_eq!(told["trajectories"]["inside"], 3);
 }
 
+/// Three more that grow past use, each for another reason: chaos, a force on what is unstable, a parameter. State, term, time and remedy are those
+/// that the equations have; CORA#73, CORA#51 and TaylorModels.jl#111 ended in explosions or steps of 1e-17 without any of these.
+#[test]
+fn a_diagnosis_is_right() {
+    let place = Place::new();
+    // Widths double every 0.77 s at first, and lose two orders of magnitude where x*y is large.
+    let lorenz = place.file(
+        "lorenz.toml",
+        "format = 1\nstates = [\"x\", \"y\", \"z\"]\ninit = { x = [14.99, 15.01], y = [14.99, 15.01], z = 36 }\n[der]\n\
+         x = \"10*(y - x)\"\ny = \"x*(28 - z) - y\"\nz = \"x*y - 8*z/3\"\n[outputs]\nm = \"x +- 1\"\n",
+    );
+    let said = enclose(&place, &lorenz, "--until 6 --every 0.1 --parts 1").err;
+    let told = summary(&place);
+    let past = &told["past_use"].as_array().unwrap()[0];
+    let since = past["since"].as_f64().unwrap();
+    assert!((4.5..=6.0).contains(&since), "{since}");
+    let (state, line) = (
+        past["state"].as_str().unwrap(),
+        past["line"].as_u64().unwrap(),
+    );
+    let terms: &[&str] = match state {
+        "y" => &["x*(28 - z)"],
+        "z" => &["x*y"],
+        _ => panic!("{said}"),
+    };
+    assert!(terms.contains(&past["term"].as_str().unwrap()), "{said}");
+    assert_eq!(line, if state == "y" { 6 } else { 7 });
+    assert!(said.contains("Try more parts: `--parts 8`."), "{said}");
+    // What was proved until then stays.
+    let rows = bounds(&place.read("out/tube.csv"), "x");
+    assert!(rows.len() as f64 > 10.0 * since && rows[10].1 - rows[10].0 < 1.0);
+    // A pendulum upside down, pushed by a wind: 2*x takes over from the wind.
+    let driven = place.file(
+        "driven.toml",
+        "format = 1\nstates = [\"x\", \"v\"]\ninit = { x = 0, v = 0 }\ndisturbances.wind = [-1, 1]\n\n[der]\nx = \"v\"\n\
+         v = \"wind + 2*x\"\n[outputs]\nm = \"x +- 1\"\n",
+    );
+    let said = enclose(&place, &driven, "--until 20 --every 0.1")
+        .ended(0)
+        .err;
+    assert!(
+        said.contains("the width of `v` grew past use from t = 6.8 s on, by the term `2*x` (driven.toml:8); then those of `x`."),
+        "{said}"
+    );
+    assert!(
+        said.contains("Try narrower bounds of the disturbance `wind`."),
+        "{said}"
+    );
+    // Only the rate of growth is uncertain.
+    let growing = place.file(
+        "growing.toml",
+        "format = 1\nstates = [\"x\", \"y\"]\ninit = { x = 1, y = 3 }\nparams.rate = [0.5, 1.5]\n[der]\n\
+         x = \"1 - x + 0.1*y\"\ny = \"rate*y - 0.5*y\"\n[outputs]\nm = \"x +- 1\"\n",
+    );
+    let said = enclose(&place, &growing, "--until 20 --every 0.1")
+        .ended(0)
+        .err;
+    assert!(
+        said.contains("the width of `y` grew past use from t = "),
+        "{said}"
+    );
+    assert!(
+        said.contains("by the term `rate*y` (growing.toml:7)"),
+        "{said}"
+    );
+    assert!(said.contains("Try narrower bounds of `rate`."), "{said}");
+    let past = &summary(&place)["past_use"];
+    assert_eq!(
+        (&past[0]["state"], &past[1]["state"]),
+        (&"x".into(), &"y".into())
+    );
+}
+
 /// Every engine can be asked, all prove the same, and the result names the one that did.
 #[test]
 fn engines_are_chosen_and_told() {

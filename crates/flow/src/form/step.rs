@@ -162,11 +162,14 @@ impl Piece {
         shortest: f64,
     ) -> Result<Prepared, Obstacle> {
         let mut unit = binary(form.step.min(2.0 * longest.hi()));
+        // A shorter unit has to make a shorter step also where no coefficient limits it, as of polynomial solutions.
+        let furthest = raised(longest.hi() / unit, 1);
         let mut attempts = 0;
         loop {
             attempts += 1;
             let most = raised(longest.hi() / unit, 1);
-            let obstacle = match self.attempt(form, scratch, (inputs, extra), most, unit) {
+            let reach = most.min(furthest);
+            let obstacle = match self.attempt(form, scratch, (inputs, extra), reach, unit) {
                 Ok(bounds) => {
                     return Ok(Prepared {
                         last: bounds.span >= most,

@@ -111,7 +111,7 @@ impl Case {
             .collect()
     }
 
-    /// Moves a solution through one stretch, and checks that it stays in `tube`.
+    /// Moves a solution through one stretch, and checks that it stays in `tube`; says how often.
     pub fn follow(
         &self,
         k: usize,
@@ -127,7 +127,7 @@ impl Case {
         cuts.sort_by(f64::total_cmp);
         cuts.push(h);
         let mut now = 0.0;
-        for cut in cuts {
+        for &cut in &cuts {
             let u: Vec<f64> = stretch.inputs.iter().map(|x| rng.inside(*x)).collect();
             sim.advance(&u, cut - now, rng);
             now = cut;
@@ -138,7 +138,7 @@ impl Case {
                 tube,
             );
         }
-        sim.x.len() as u64
+        cuts.len() as u64
     }
 }
 

@@ -15,6 +15,7 @@ pub mod jumping;
 pub mod models;
 pub mod monotone;
 pub mod smooth;
+pub mod stem;
 pub mod truth;
 
 use veribound_interval::Interval;
@@ -188,6 +189,29 @@ impl RigText {
 /// The rig with the priors of the plots, three modes, angle measured within 0.1 rad.
 pub fn rig_model() -> Model {
     RigText::default().model()
+}
+
+/// How many true solutions were looked for in what is proved of their sets.
+///
+/// `./nightly` adds up the lines that these print.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Trials {
+    /// Random points of random sets whose solutions were followed.
+    pub solutions: u64,
+    /// Times at which one of them was compared with bounds.
+    pub checks: u64,
+}
+
+impl Trials {
+    pub fn add(&mut self, other: Trials) {
+        self.solutions += other.solutions;
+        self.checks += other.checks;
+    }
+
+    pub fn told(self, sweep: &str) {
+        let Trials { solutions, checks } = self;
+        println!("trials of {sweep}: {solutions} solutions, {checks} comparisons");
+    }
 }
 
 /// A number from the environment, as `VERIBOUND_SEED`, or the usual one.

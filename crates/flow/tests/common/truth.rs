@@ -53,7 +53,7 @@ impl Events {
 pub struct Sim {
     truth: Truth,
     pub x: Vec<f64>,
-    p: Vec<f64>,
+    pub p: Vec<f64>,
     u: Vec<f64>,
     /// Per switch: -1, +1, or 0 while it is held at zero.
     side: Vec<i8>,

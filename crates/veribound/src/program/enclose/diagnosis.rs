@@ -89,19 +89,21 @@ pub fn obstacle(
 /// The first row from which on the width is past use to the end.
 ///
 /// It is, if it grows tenfold in the last two thirds of the rows, which what builds up to some width does not, from
-/// where it is larger than the range in which the middle moved until then, and than ten times the start.
+/// where it is larger than the range in which the middle moved until then, and than ten times the start. What starts as
+/// a point has no width to compare with: the smallest one in those rows stands for it.
 fn first_past_use(bounds: &[Interval]) -> Option<usize> {
     let widths: Vec<f64> = bounds.iter().map(|x| x.width()).collect();
     let late = widths.get(widths.len() / 3..)?;
     let usual = late.iter().copied().fold(f64::INFINITY, f64::min);
     let start = widths.first().copied()?;
+    let enough = if start > 0.0 { GROWN * start } else { usual };
     let mut moved = Interval::EMPTY;
     let mut since = None;
     for (row, (x, width)) in bounds.iter().zip(&widths).enumerate() {
         if x.is_bounded() {
             moved = moved.hull(Interval::point(x.mid()));
         }
-        if *width <= moved.width().max(GROWN * start) {
+        if *width <= moved.width().max(enough) {
             since = None;
         } else {
             since = since.or(Some(row));
@@ -167,16 +169,31 @@ fn remedy(model: &Model, enclosure: &Enclosure, state: usize, most_parts: usize)
             let name = model.params.get(*param).map_or("", |param| &param.name);
             format!("narrower bounds of `{name}`")
         }
-        Some((Unknown::Axis(_), _)) | None => {
-            let uncertain = model.inputs.iter().find(|input| {
-                let zero = Decimal::zero();
-                input.within.is_some() || input.error.absolute > zero || input.error.relative > zero
-            });
-            match uncertain {
-                Some(input) => format!("narrower bounds of the input `{}`", input.name),
-                None => "an earlier end: `--until`".to_owned(),
-            }
-        }
+        Some((Unknown::Axis(_), _)) | None => uncertain(model),
+    }
+}
+
+/// Where no shares are known, as between corners: what the file leaves open.
+fn uncertain(model: &Model) -> String {
+    let zero = Decimal::zero();
+    let input = model.inputs.iter().find(|input| {
+        input.within.is_some() || input.error.absolute > zero || input.error.relative > zero
+    });
+    if let Some(input) = input {
+        let kind = match input.within {
+            Some(_) => "disturbance",
+            None => "input",
+        };
+        return format!("narrower bounds of the {kind} `{}`", input.name);
+    }
+    let mut params = model.params.iter();
+    if let Some(param) = params.find(|param| param.bounds.width() > 0.0) {
+        return format!("narrower bounds of `{}`", param.name);
+    }
+    let mut states = model.states.iter();
+    match states.find(|state| state.init.width() > 0.0) {
+        Some(state) => format!("a narrower start of `{}`", state.name),
+        None => "an earlier end: `--until`".to_owned(),
     }
 }
 
@@ -203,6 +220,9 @@ mod tests {
         // A disturbance that builds up to some width is no growth past use.
         let built = [0.0, 1.0, 1.5, 1.6, 1.6, 1.6];
         assert_eq!(first_past_use(&list(&built, still)), None);
+        // From a point, all growth is past ten times the start.
+        let driven = [0.0, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 12.0];
+        assert_eq!(first_past_use(&list(&driven, still)), Some(3));
         // Nor is what comes back.
         let back = [0.1, 0.1, 0.1, 5.0, 0.1, 0.1];
         assert_eq!(first_past_use(&list(&back, still)), None);

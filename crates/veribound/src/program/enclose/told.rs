@@ -151,11 +151,15 @@ pub fn past_use(model: &Model, found: &Findings) -> Option<String> {
         let state = model.states.get(state);
         state.map_or("", |state| state.name.as_str())
     };
-    // A state that only follows another one comes after it.
+    // A state that only follows another one comes after it; then one whose term has others in it and not itself.
     let follows = |cause: &Cause| {
+        let Some((term, _)) = cause.term.as_ref() else {
+            return (false, false);
+        };
         let mut others = found.past_use.iter().map(|other| name(other.cause.state));
-        let term = cause.term.as_ref();
-        term.is_some_and(|term| others.any(|name| name == term.0))
+        let is_another = others.clone().any(|name| name == term);
+        let has = |name: &str| words(term).any(|word| word == name);
+        (is_another, others.any(has) && !has(name(cause.state)))
     };
     earliest.sort_by(|a, b| a.since.cmp(&b.since));
     earliest.sort_by_key(|past| follows(&past.cause));
@@ -177,6 +181,11 @@ pub fn past_use(model: &Model, found: &Findings) -> Option<String> {
         term(model, &first.cause),
         first.cause.remedy
     ))
+}
+
+/// Names and numbers in a term.
+fn words(term: &str) -> impl Iterator<Item = &str> {
+    term.split(|c: char| !(c.is_alphanumeric() || c == '_'))
 }
 
 /// Verdict, work, and one line per state and output.
