@@ -161,8 +161,8 @@ fn drawn(found: &Findings) -> Vec<PavingTile> {
             (Status::Turned, _) | (Status::Outside, Some(_)) => {}
             (Status::Inside, Some(turned)) => {
                 all.push(tile(&own.params, TileStatus::Undecided));
-                let frame = &found.identified.frames[turned.frame];
-                let inner = frame.inner_box(&turned.unknowns);
+                let frame = found.identified.frames.get(turned.frame);
+                let inner = frame.and_then(|frame| frame.inner_box(&turned.unknowns));
                 all.extend(inner.map(|inner| tile(&inner, TileStatus::Inside)));
             }
             (Status::Inside, None) => all.push(tile(&own.params, TileStatus::Inside)),

@@ -140,7 +140,9 @@ fn shares(model: &Model, found: &Findings) -> [Interval; 2] {
             return Interval::ENTIRE;
         }
         if let Some(turned) = &tile.turned {
-            let frame = &found.identified.frames[turned.frame];
+            let Some(frame) = found.identified.frames.get(turned.frame) else {
+                return Interval::ENTIRE;
+            };
             let wide = outer.iter().filter(|whole| whole.lo() < whole.hi());
             return wide.fold(frame.volume(&turned.unknowns), |share, whole| {
                 share / width(*whole)
