@@ -173,7 +173,45 @@ impl Found {
         bands.to_python(py, model.params.iter().map(|param| param.name.as_str()))
     }
 
-    /// Tiles of the prior: parameters, each `(name, bytes, bytes)`; the status of each tile, and why.
+    /// Turned tiles: the frame of each, their coordinates, each `(name, bytes, bytes)`; the status of each tile, and why.
+    fn turned<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<(
+        Vec<usize>,
+        Bound<'py, PyList>,
+        Vec<&'static str>,
+        Vec<String>,
+    )> {
+        let Done { data, found, .. } = &self.done;
+        let tiles = found.identified.tiles.iter();
+        let tiles = tiles.filter_map(|tile| Some((tile, tile.turned.as_ref()?)));
+        let tiles: Vec<_> = tiles.collect();
+        let axes = tiles.first().map_or(0, |(_, turned)| turned.unknowns.len());
+        let mut bands = Bands::new(axes);
+        tiles
+            .iter()
+            .for_each(|(_, turned)| bands.push(&turned.unknowns));
+        let names: Vec<String> = (1..=axes).map(|axis| format!("y{axis}")).collect();
+        Ok((
+            tiles.iter().map(|(_, turned)| turned.frame + 1).collect(),
+            bands.to_python(py, names.iter().map(String::as_str))?,
+            tiles.iter().map(|(tile, _)| name(tile.status)).collect(),
+            tiles
+                .iter()
+                .map(|(tile, _)| reason(data, &tile.reason))
+                .collect(),
+        ))
+    }
+
+    /// Frames of turned tiles: the middle of every parameter, and by how much each coordinate changes it.
+    fn frames(&self) -> Vec<(Vec<f64>, Vec<Vec<f64>>)> {
+        let frames = self.done.found.identified.frames.iter();
+        let frames = frames.map(|frame| (frame.centre.clone(), frame.axes.clone()));
+        frames.collect()
+    }
+
+    /// Tiles of the prior that are not turned: parameters, each `(name, bytes, bytes)`; the status of each tile, and why.
     fn paving<'py>(
         &self,
         py: Python<'py>,
@@ -181,7 +219,8 @@ impl Found {
         let Done {
             model, data, found, ..
         } = &self.done;
-        let tiles = &found.identified.tiles;
+        let upright = found.identified.tiles.iter();
+        let tiles: Vec<_> = upright.filter(|tile| tile.turned.is_none()).collect();
         let mut bands = Bands::new(model.params.len());
         tiles.iter().for_each(|tile| bands.push(&tile.params));
         let names = model.params.iter().map(|param| param.name.as_str());

@@ -116,6 +116,8 @@ def identification(result: Any, what: str, figure: Any) -> Any:
 
 def _paving(result: Any, figure: Any) -> Any:
     columns, status, _ = result._done.paving()
+    # What agrees of a tile that is divided along other axes is somewhere in it.
+    status = ["undecided" if kind == "turned" else kind for kind in status]
     if not status:
         raise ValueError("there is no paving; ask for one, as in identify(..., paving='1%')")
     names = [name for name, _, _ in columns]

@@ -232,12 +232,33 @@ class Identification(_Result):
 
     @property
     def paving(self) -> Any:
-        """The tiles of the prior, if a paving was asked for, one in each row: ends, ``status``, ``reason``."""
+        """The tiles of the prior, if a paving was asked for, one in each row: ends, ``status``, ``reason``. What agrees of
+        those that are ``turned`` is in `turned`."""
         columns, status, reasons = self._done.paving()
         found: "dict[str, Any]" = _frames.bands(columns)
         found["status"] = np.array(status, dtype=object)
         found["reason"] = np.array(reasons, dtype=object)
         return self._frame(found, None)
+
+    @property
+    def turned(self) -> Any:
+        """Turned tiles, which hold all that agrees of tiles whose status is ``turned``: number of the frame, ends of the
+        coordinates, ``status``, ``reason``."""
+        frames, columns, status, reasons = self._done.turned()
+        found: "dict[str, Any]" = {"frame": np.array(frames, dtype=int), **_frames.bands(columns)}
+        found["status"] = np.array(status, dtype=object)
+        found["reason"] = np.array(reasons, dtype=object)
+        return self._frame(found, None)
+
+    @property
+    def frames(self) -> Any:
+        """Frames of turned tiles, one in each row: coordinates ``y`` stand for ``middle + y1 * .y1 + y2 * .y2 + ...``."""
+        found: "dict[str, Any]" = {"frame": np.arange(1, len(self._done.frames()) + 1)}
+        for at, param in enumerate(self.model.params):
+            found[f"{param.name}.middle"] = np.array([middle[at] for middle, _ in self._done.frames()])
+            for axis in range(len(next((axes[at] for _, axes in self._done.frames()), []))):
+                found[f"{param.name}.y{axis + 1}"] = np.array([axes[at][axis] for _, axes in self._done.frames()])
+        return self._frame(found, "frame")
 
     def plot(self, what: str = "bounds", *, figure: Any = None) -> Any:
         """A matplotlib figure: ``"bounds"`` (prior, outer and inner), or ``"paving"`` of every two parameters."""

@@ -11,7 +11,7 @@ use veribound_model::diagnostic::Diagnostic;
 const MARK: &str = "summary.json";
 
 /// The tables and texts of a run.
-const TABLES: [&str; 10] = [
+const TABLES: [&str; 12] = [
     MARK,
     "report.html",
     "run.toml",
@@ -22,6 +22,8 @@ const TABLES: [&str; 10] = [
     "parts.csv",
     "points.csv",
     "paving.csv",
+    "turned.csv",
+    "frames.csv",
 ];
 
 /// The figures of a run, in the folder `fig`.

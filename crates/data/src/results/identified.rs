@@ -41,7 +41,7 @@ use veribound_model::model::{Param, State};
 ///     resets: vec![IdentifiedReset::new("r.csv".to_owned(), k, (&from, &until), both, 2.0)],
 ///     least_error: Some(LeastErrors::new(Interval::ONE, &model.params, None)),
 ///     least_disturbance: None,
-///     paving: Some(Paving::new(12, Interval::point(0.75), Interval::point(0.125))),
+///     paving: Some(Paving::new(12, [0.75, 0.125].map(Interval::point), Interval::point(0.5))),
 ///     points: 4,
 ///     work: IdentifiedWork::default(),
 ///     interrupted: false,
@@ -181,7 +181,8 @@ pub struct RefutedTogether {
     line: usize,
 }
 
-/// What a paving covers. The numbers are of its tiles together, as shares of the volume of the outer box.
+/// What a paving covers. Shares are of the volume of the outer box, of its tiles together; the volume is of what agrees,
+/// in undecided tiles by the part that samples leave.
 ///
 /// Example: [`IdentifiedSummary`].
 #[derive(Debug, Clone, Serialize)]
@@ -190,6 +191,7 @@ pub struct Paving {
     pub tiles: usize,
     inside: Number,
     undecided: Number,
+    volume: Ends,
 }
 
 /// What an identification cost.
@@ -305,9 +307,11 @@ impl RefutedTogether {
 
 impl Paving {
     /// So many tiles, of which those inside and those undecided have these shares of the outer box.
-    pub fn new(tiles: usize, inside: Interval, undecided: Interval) -> Self {
+    /// What agrees has this volume.
+    pub fn new(tiles: usize, [inside, undecided]: [Interval; 2], volume: Interval) -> Self {
         Paving {
             tiles,
+            volume: Ends::outward(volume),
             inside: Number::new(text::lower(inside.lo(), DIGITS)),
             undecided: Number::new(text::upper(undecided.hi(), DIGITS)),
         }
@@ -379,7 +383,7 @@ mod tests {
             least_disturbance: None,
             paving: Some(Paving::new(
                 12,
-                interval(third, third),
+                [interval(third, third), interval(third, third)],
                 interval(third, third),
             )),
             points: 4,
@@ -456,7 +460,11 @@ mod tests {
   "paving": {
     "tiles": 12,
     "inside": 0.333333333333,
-    "undecided": 0.333333333334
+    "undecided": 0.333333333334,
+    "volume": {
+      "lo": 0.333333333333,
+      "hi": 0.333333333334
+    }
   },
   "points": 4,
   "work": {

@@ -172,6 +172,26 @@ impl Column {
         params.chain(last).collect()
     }
 
+    /// The columns of `turned.csv`: number of the frame, bounds of so many coordinates, then `status` and `reason`.
+    pub fn of_turned(axes: usize) -> Vec<Column> {
+        let coordinates = (1..=axes).map(|axis| Column::Bounds(format!("y{axis}")));
+        let first = [Column::plain("frame")].into_iter();
+        let last = ["status", "reason"].map(Column::plain);
+        first.chain(coordinates).chain(last).collect()
+    }
+
+    /// The columns of `frames.csv`: number of the frame; of every parameter its middle, and by how much each of so many
+    /// coordinates changes it.
+    pub fn of_frames(model: &Model, axes: usize) -> Vec<Column> {
+        let mut columns = vec![Column::plain("frame")];
+        for param in &model.params {
+            columns.push(Column::Plain(format!("{}.middle", param.name)));
+            let slopes = (1..=axes).map(|axis| Column::Plain(format!("{}.y{axis}", param.name)));
+            columns.extend(slopes);
+        }
+        columns
+    }
+
     /// A column of anything but bounds.
     pub fn plain(name: &str) -> Column {
         Column::Plain(name.to_owned())

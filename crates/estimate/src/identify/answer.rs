@@ -1,5 +1,6 @@
 //! What identification is asked, and what it says.
 
+use super::frame::Frame;
 use serde::{Deserialize, Serialize};
 use veribound_interval::round::{div_up, sub_down};
 use veribound_interval::{Decimal, Interval};
@@ -90,6 +91,8 @@ pub enum Status {
     Outside,
     /// Not known.
     Undecided,
+    /// None does but those in turned tiles, which divide it.
+    Turned,
 }
 
 /// Why a tile has its status.
@@ -116,9 +119,25 @@ pub enum Reason {
     Met,
     /// The budget is spent, or the tile is as small as was wanted.
     Budget,
+    /// What is left of it is much smaller along other axes.
+    Needle {
+        /// Position of their frame.
+        frame: usize,
+    },
 }
 
-/// A box of parameters, and what is known of it.
+/// Where a tile lies along other axes than those of the parameters.
+///
+/// Example: [`Tile`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Turned {
+    /// Position of the frame in [`Identified::frames`].
+    pub frame: usize,
+    /// Its unknowns, one interval per axis of the frame.
+    pub unknowns: Vec<Interval>,
+}
+
+/// A box of parameters, or one along other axes, and what is known of it.
 ///
 /// ```
 /// # use veribound_estimate::identify::*;
@@ -145,8 +164,10 @@ pub enum Reason {
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Tile {
-    /// One interval per parameter.
+    /// One interval per parameter; of a turned tile the box around it, as far as it is in the tile that it divides.
     pub params: Vec<Interval>,
+    /// Where it lies, if it is turned.
+    pub turned: Option<Turned>,
     /// What is known.
     pub status: Status,
     /// Why.
@@ -342,8 +363,14 @@ pub struct Identified {
     /// Boxes of parameters with a point in each that is proved to agree with model and records; they are as small as
     /// rounding allows. Among them are the points where parameters reach farthest.
     pub points: Vec<Vec<Interval>>,
-    /// Tiles that cover the prior, if a paving was asked.
+    /// Tiles that are not turned cover the prior, if a paving was asked. What of one that is divided along other axes
+    /// agrees is in turned tiles, which may reach out of it where they are undecided.
     pub tiles: Vec<Tile>,
+    /// The axes of turned tiles.
+    pub frames: Vec<Frame>,
+    /// Encloses the volume of the parameters that agree, if a paving was asked: in undecided tiles by the part that rows
+    /// leave. Parameters that are known exactly do not count.
+    pub volume: Option<Interval>,
     /// Sets that were looked at.
     pub sets: usize,
     /// Times that a set was moved through a record.

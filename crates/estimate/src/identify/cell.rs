@@ -36,7 +36,7 @@ const SMALLER: f64 = 0.5;
 const WIDER: f64 = 1.3;
 
 /// Proved points keep so far from the border of the unit box.
-const BORDER: f64 = 1e-6;
+pub(crate) const BORDER: f64 = 1e-6;
 
 /// Slopes for a fit are those of a region of this share around a point,
 const TINY: f64 = 1e-6;
@@ -469,14 +469,26 @@ impl Cell {
     /// The region that is left, turned along its rows where that makes it much smaller.
     pub(crate) fn smaller(&self, may_turn: bool) -> (Region, bool) {
         let upright = self.region.part(&self.part);
-        match self.turned().filter(|_| may_turn) {
+        match self.compact().filter(|_| may_turn) {
             Some(turned) => (turned, true),
             None => (upright, false),
         }
     }
 
     /// A parallelotope around what is left, if it is much smaller than the part of the region.
-    fn turned(&self) -> Option<Region> {
+    fn compact(&self) -> Option<Region> {
+        let turned = self.turned(SMALLER)?;
+        // A box around it must not be much larger, since right-hand sides are asked on that.
+        let upright = self.region.part(&self.part).hull();
+        let pairs = upright.iter().zip(turned.hull());
+        let is_compact = pairs
+            .into_iter()
+            .all(|(before, after)| after.width() <= WIDER * before.width());
+        is_compact.then_some(turned)
+    }
+
+    /// A parallelotope around what is left, if it is at most so many times as large as the part of the region.
+    pub(crate) fn turned(&self, most: f64) -> Option<Region> {
         let n = self.part.len();
         if n < 2 {
             return None;
@@ -496,18 +508,10 @@ impl Cell {
             return None;
         }
         let volume: f64 = along.iter().map(|x| x.rad()).product();
-        if volume > SMALLER {
+        if volume > most {
             return None;
         }
-        let upright = self.region.part(&self.part);
-        let turned = upright.turned(&columns, &along)?;
-        // A box around it must not be much larger, since right-hand sides are asked on that.
-        let is_compact = upright
-            .hull()
-            .iter()
-            .zip(turned.hull())
-            .all(|(before, after)| after.width() <= WIDER * before.width());
-        is_compact.then_some(turned)
+        self.region.part(&self.part).turned(&columns, &along)
     }
 
     /// Proved bounds of a quantity: those of the solutions that agree with all records.
@@ -517,19 +521,25 @@ impl Cell {
 
     /// As [`Cell::outer`], with what excludes the values below and above.
     pub(crate) fn outer_because(&self, quantity: usize) -> (Interval, [Reason; 2]) {
+        let (bounds, because) = self.along(&self.region.axes[quantity]);
+        let around = self.region.range(quantity, &self.part);
+        (
+            (bounds + self.region.offset(quantity)).intersect(around),
+            because,
+        )
+    }
+
+    /// Proved bounds in a direction of the unknowns, with what excludes those below and above.
+    pub(crate) fn along(&self, direction: &[f64]) -> (Interval, [Reason; 2]) {
         let program = Program::new(&self.rows, &self.part, Side::Outer);
-        let (bounds, held) = program.bounds_because(&self.region.axes[quantity]);
+        let (bounds, held) = program.bounds_because(direction);
         let because = held.map(|held| {
             let held = held.iter().filter(|(_, multiplier)| *multiplier != 0.0);
             let samples: Vec<(usize, usize)> =
                 held.map(|(row, _)| self.rows.origin(*row)).collect();
             reason_of(0, &samples)
         });
-        let around = self.region.range(quantity, &self.part);
-        (
-            (bounds + self.region.offset(quantity)).intersect(around),
-            because,
-        )
+        (bounds, because)
     }
 
     /// Unknowns that are proved to agree with all records, about where each of the quantities is least and largest.

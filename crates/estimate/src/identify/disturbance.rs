@@ -146,7 +146,7 @@ impl Trial<'_> {
             go_on: self.go_on,
         };
         searched(&mut search, (self.model, &wider), &keep);
-        let ended = search.answer(Vec::new());
+        let ended = search.answer(super::pave::Paved::default());
         self.found.sets += ended.sets;
         self.found.passes += ended.passes;
         self.found.interrupted = ended.interrupted;

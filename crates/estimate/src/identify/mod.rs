@@ -4,6 +4,7 @@ mod answer;
 pub(crate) mod cell;
 mod disturbance;
 mod eigen;
+mod frame;
 mod gross;
 pub(crate) mod held;
 mod outliers;
@@ -18,10 +19,12 @@ mod windows;
 
 pub use answer::{
     AfterReset, Bounds, Checkpoints, Conclusion, Identified, IdentifyOptions, LeastError, Limit,
-    Progress, Reason, Refuted, Save, Status, Tile, Unreadable,
+    Progress, Reason, Refuted, Save, Status, Tile, Turned, Unreadable,
 };
 pub use disturbance::least_disturbance;
+pub use frame::Frame;
 
+use pave::Paved;
 use problem::Problem;
 use region::Region;
 use search::Search;
@@ -80,7 +83,7 @@ pub fn resume(
         }
         let tiles = match options.undecided {
             Some(share) => search.pave(tiles, share, &keep),
-            None => Vec::new(),
+            None => Paved::default(),
         };
         let mut found = search.answer(tiles);
         if let Conclusion::Inconsistent(refuted) = found.conclusion {
@@ -141,7 +144,7 @@ pub fn least_error(
             };
             searched(&mut search, (model, &wider), &keep);
             let (below, least) = search.least();
-            let spent = search.answer(Vec::new());
+            let spent = search.answer(Paved::default());
             found.sets += spent.sets;
             found.passes += spent.passes;
             found.interrupted = spent.interrupted;

@@ -19,6 +19,10 @@ use veribound_interval::Interval;
 /// A pass ends where so many steps do not lead to the next sample: the set grows too fast to tell anything.
 const MOST_STEPS: usize = 100;
 
+/// A moment in which boxes go on, since the right-hand side is not defined on all of the form, takes as long as many steps: it
+/// is worth it once in so many samples.
+const UNDEFINED: usize = 16;
+
 /// Rows are asked for narrower unknowns when so many times the samples of the last time were met.
 const NEXT: f64 = 1.25;
 
@@ -204,14 +208,16 @@ pub(crate) fn pass(
             &course.stretches
         };
         let stretches = &stretches[begin..meeter.end];
-        let steps = Shared::new(0);
+        let (steps, met) = (Shared::new(0), Shared::new(begin - span.from));
         let meet = &mut |meeting: Meeting<'_>| {
             steps.set(0);
+            met.set(met.get() + 1);
             meeter.meet(meeting, reset.is_some());
         };
-        let go_on = |_: &Form| {
+        let go_on = |form: &Form| {
             steps.set(steps.get() + 1);
-            !over.get() && steps.get() <= MOST_STEPS
+            let is_defined = UNDEFINED * form.undefined_moments() <= met.get();
+            !over.get() && steps.get() <= MOST_STEPS && is_defined
         };
         let done = moved.flow.follow(form, stretches, meet, &go_on);
         meeter.is_complete &= done.is_ok();

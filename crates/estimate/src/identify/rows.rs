@@ -102,6 +102,21 @@ impl Rows {
         self.origins.push((short(sample), 0));
     }
 
+    /// Adds a row in other unknowns: its outer and inner bounds are of sums to which there is something to be added, for the
+    /// outer ones any of the first, for the inner ones whatever of the second.
+    pub(crate) fn push_moved(
+        &mut self,
+        slopes: &[f64],
+        (wide, narrow): (Interval, Interval),
+        (outer, inner): (Interval, Interval),
+        (sample, record): (usize, usize),
+    ) {
+        self.slopes.extend_from_slice(slopes);
+        self.outer.push(outer - wide);
+        self.inner.push(shrunk(inner, narrow));
+        self.origins.push((short(sample), short(record)));
+    }
+
     /// Adds rows in some of the unknowns, of which `kept` tells the positions, from another record.
     pub(crate) fn take(&mut self, other: &Rows, kept: &[usize], record: usize) {
         for row in 0..other.len() {

@@ -6,11 +6,11 @@
 
 use super::Keep;
 use super::answer::{
-    AfterReset, Bounds, Conclusion, Identified, IdentifyOptions, Limit, Progress, Tile, Unreadable,
+    AfterReset, Bounds, Conclusion, Identified, IdentifyOptions, Limit, Progress, Unreadable,
 };
 use super::cell::{BELIEVED, Cell, Clash};
 use super::pass::Conflict;
-use super::pave::{self, Paving};
+use super::pave::{self, Paved, Paving};
 use super::problem::Problem;
 use super::region::Region;
 use super::rows::SEVERAL;
@@ -592,10 +592,10 @@ impl<'a> Search<'a> {
         begun: Option<pave::State>,
         share: f64,
         keep: &Keep<'_>,
-    ) -> Vec<Tile> {
-        let mut paving = Paving::new(self.problem, begun);
+    ) -> Paved {
+        let mut paving = Paving::new(self.problem, begun, share);
         let sets = self.options.sets.saturating_mul(TILES_PER_SET);
-        let limits = (share, sets, self.options.memory);
+        let limits = (sets, self.options.memory);
         let save = |state: &pave::State| (keep.save)(&|| self.saved(Some(state)));
         let goes_on = paving.run(limits, &save, keep.go_on);
         self.interrupted |= !goes_on;
@@ -689,7 +689,7 @@ impl<'a> Search<'a> {
     }
 
     /// What was proved.
-    pub(crate) fn answer(self, tiles: Vec<Tile>) -> Identified {
+    pub(crate) fn answer(self, paved: Paved) -> Identified {
         let params = self.problem.params();
         let conclusion = if self.state.leaves.is_empty() {
             self.refuted()
@@ -735,7 +735,9 @@ impl<'a> Search<'a> {
                 .iter()
                 .map(|point| point[params.clone()].to_vec())
                 .collect(),
-            tiles,
+            tiles: paved.tiles,
+            frames: paved.frames,
+            volume: paved.volume,
             sets: self.state.sets,
             passes: self.state.passes,
             interrupted: self.interrupted,

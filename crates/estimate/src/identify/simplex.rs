@@ -132,10 +132,7 @@ impl<'a> Program<'a> {
                 break;
             };
             // The entering row as a sum of those that hold the vertex.
-            let slopes = self.slopes_of(entering);
-            let shares: Vec<f64> = (0..n)
-                .map(|c| (0..n).map(|i| slopes[i] * inverse[i * n + c]).sum())
-                .collect();
+            let shares = self.shares(entering, &inverse, n);
             let mut leaving: Option<(f64, usize)> = None;
             let largest = shares.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
             for (c, share) in shares.iter().enumerate() {
@@ -169,11 +166,13 @@ impl<'a> Program<'a> {
             multipliers[q] = ratio * sign;
             tight[q] = (entering, sign);
             for i in 0..n {
-                let pivot = inverse[i * n + q] / shares[q];
-                for c in 0..n {
-                    inverse[i * n + c] -= pivot * shares[c];
+                let row = &mut inverse[i * n..(i + 1) * n];
+                let pivot = row[q] / shares[q];
+                if pivot != 0.0 {
+                    let pairs = row.iter_mut().zip(&shares);
+                    pairs.for_each(|(x, share)| *x -= pivot * share);
+                    row[q] = pivot;
                 }
-                inverse[i * n + q] = pivot;
             }
         }
         let held = tight.iter().zip(&multipliers);
@@ -194,13 +193,18 @@ impl<'a> Program<'a> {
         }
     }
 
-    fn slopes_of(&self, tight: Tight) -> Vec<f64> {
+    /// A constraint as a sum of those that hold a vertex, row by row of their inverse, as it lies in memory.
+    fn shares(&self, tight: Tight, inverse: &[f64], n: usize) -> Vec<f64> {
         match tight {
-            Tight::Row(position) => self.rows.slopes(self.chosen[position]).to_vec(),
-            Tight::Unknown(v) => {
-                let mut unit = vec![0.0; self.part.len()];
-                unit[v] = 1.0;
-                unit
+            Tight::Unknown(v) => inverse[v * n..(v + 1) * n].to_vec(),
+            Tight::Row(position) => {
+                let mut shares = vec![0.0; n];
+                for (v, slope) in &self.sparse[self.begins[position]..self.begins[position + 1]] {
+                    let row = &inverse[v * n..(v + 1) * n];
+                    let pairs = shares.iter_mut().zip(row);
+                    pairs.for_each(|(share, x)| *share += slope * x);
+                }
+                shares
             }
         }
     }

@@ -608,7 +608,10 @@ impl<'a> Journey<'a> {
         let prepared = match acting.prepare(&self.form, inputs, self.left, self.shortest()) {
             Ok(prepared) => prepared,
             // What may jump or has no slope somewhere may still have bounds.
-            Err(why @ (Obstacle::Jump | Obstacle::Undefined)) => return self.mixed(None, why),
+            Err(why @ (Obstacle::Jump | Obstacle::Undefined)) => {
+                self.form.undefined += usize::from(why == Obstacle::Undefined);
+                return self.mixed(None, why);
+            }
             Err(obstacle) => return Err(obstacle),
         };
         let span = prepared.bounds.span;

@@ -168,6 +168,8 @@ pub struct Form {
     pub(super) signs: Vec<Signs>,
     /// What is known to lie in the unit interval, of unknowns that were replaced by others.
     pub(super) within: Vec<ParamForm>,
+    /// Moments for which boxes went on, since no right-hand side was defined on all of it.
+    pub(super) undefined: usize,
 }
 
 /// A quantity: its value in the middle, one slope per unknown, and what is added.
@@ -319,6 +321,7 @@ impl Form {
             elapsed: Interval::ZERO,
             signs: Vec::new(),
             within: Vec::new(),
+            undefined: 0,
         };
         form.choose_order();
         form.tube = form.quick_hull();
@@ -357,6 +360,12 @@ impl Form {
     pub fn unknowns(&self) -> Vec<(Unknown, Interval)> {
         let list = self.unknowns.iter();
         list.map(|range| (range.unknown, range.bounds())).collect()
+    }
+
+    /// For how many moments since its start no right-hand side was defined on all of the form, so that boxes went on: a hint
+    /// that the set is too wide for it.
+    pub fn undefined_moments(&self) -> usize {
+        self.undefined
     }
 
     /// What the form depends on, each as `middle + radius δ` with some numbers of these two intervals.

@@ -6,6 +6,7 @@ use super::{Data, Findings};
 use veribound_data::{Cell, Column, CompleteFile, ResultFolder, RunInfo, TableWriter};
 use veribound_estimate::identify::{Reason, Status};
 use veribound_interval::Interval;
+use veribound_interval::text::exact;
 use veribound_model::Model;
 use veribound_model::diagnostic::Diagnostic;
 use veribound_report::{
@@ -21,6 +22,10 @@ pub fn write(
     let mut files = vec![points(folder, model, found)?, info.write(folder)?];
     if !found.identified.tiles.is_empty() {
         files.push(paving(folder, (model, data, found))?);
+    }
+    if !found.identified.frames.is_empty() {
+        files.push(turned(folder, (data, found))?);
+        files.push(frames(folder, (model, found))?);
     }
     let figures = figures(model, found);
     files.extend(write_figures(folder, formats, || figures.render_all())?);
@@ -47,13 +52,14 @@ fn points(
     table.finish()
 }
 
-/// The tiles, with every digit of their ends: together they cover the prior.
+/// The tiles that are not turned, with every digit of their ends: together they cover the prior.
 fn paving(
     folder: &ResultFolder,
     (model, data, found): (&Model, &Data, &Findings),
 ) -> Result<CompleteFile, Diagnostic> {
     let mut table = TableWriter::timeless(folder, "paving.csv", Column::of_paving(model))?;
-    for tile in &found.identified.tiles {
+    let upright = found.identified.tiles.iter();
+    for tile in upright.filter(|tile| tile.turned.is_none()) {
         let reason = reason(data, &tile.reason);
         let mut row: Vec<Cell> = tile.params.iter().map(|x| Cell::Exact(*x)).collect();
         row.extend([Cell::Text(name(tile.status)), Cell::Text(&reason)]);
@@ -62,12 +68,57 @@ fn paving(
     table.finish()
 }
 
+/// The turned tiles, with every digit of the ends of their coordinates.
+fn turned(
+    folder: &ResultFolder,
+    (data, found): (&Data, &Findings),
+) -> Result<CompleteFile, Diagnostic> {
+    let columns = Column::of_turned(axes(found));
+    let mut table = TableWriter::timeless(folder, "turned.csv", columns)?;
+    for tile in &found.identified.tiles {
+        let Some(turned) = &tile.turned else { continue };
+        let reason = reason(data, &tile.reason);
+        let mut row = vec![Cell::Count(turned.frame + 1)];
+        row.extend(turned.unknowns.iter().map(|y| Cell::Exact(*y)));
+        row.extend([Cell::Text(name(tile.status)), Cell::Text(&reason)]);
+        table.timeless_row(&row)?;
+    }
+    table.finish()
+}
+
+/// The axes of turned tiles, with every digit.
+fn frames(
+    folder: &ResultFolder,
+    (model, found): (&Model, &Findings),
+) -> Result<CompleteFile, Diagnostic> {
+    let columns = Column::of_frames(model, axes(found));
+    let mut table = TableWriter::timeless(folder, "frames.csv", columns)?;
+    for (number, frame) in found.identified.frames.iter().enumerate() {
+        let rows = frame.centre.iter().zip(&frame.axes);
+        let digits = rows.flat_map(|(centre, row)| std::iter::once(centre).chain(row));
+        let digits: Vec<String> = digits.map(|x| exact(*x)).collect();
+        let mut row = vec![Cell::Count(number + 1)];
+        row.extend(digits.iter().map(|text| Cell::Text(text)));
+        table.timeless_row(&row)?;
+    }
+    table.finish()
+}
+
+/// How many axes frames have.
+fn axes(found: &Findings) -> usize {
+    let first = found.identified.frames.first();
+    first
+        .and_then(|frame| frame.axes.first())
+        .map_or(0, Vec::len)
+}
+
 /// The name of a status in results.
 pub fn name(status: Status) -> &'static str {
     match status {
         Status::Inside => "inside",
         Status::Outside => "outside",
         Status::Undecided => "undecided",
+        Status::Turned => "turned",
     }
 }
 
@@ -93,7 +144,33 @@ pub fn reason(data: &Data, reason: &Reason) -> String {
         }
         Reason::Met => "all samples are met".to_owned(),
         Reason::Budget => "not divided further".to_owned(),
+        Reason::Needle { frame } => format!("divided along the axes of frame {}", frame + 1),
     }
+}
+
+/// What is drawn of tiles. Of a turned one that is inside this is a box in it, with what is around it as undecided; of others
+/// the box around them.
+fn drawn(found: &Findings) -> Vec<PavingTile> {
+    let tile = |params: &[Interval], status: TileStatus| PavingTile {
+        params: params.iter().map(|x| (x.lo(), x.hi())).collect(),
+        status,
+    };
+    let mut all = Vec::with_capacity(found.identified.tiles.len());
+    for own in &found.identified.tiles {
+        match (own.status, &own.turned) {
+            (Status::Turned, _) | (Status::Outside, Some(_)) => {}
+            (Status::Inside, Some(turned)) => {
+                all.push(tile(&own.params, TileStatus::Undecided));
+                let frame = found.identified.frames.get(turned.frame);
+                let inner = frame.and_then(|frame| frame.inner_box(&turned.unknowns));
+                all.extend(inner.map(|inner| tile(&inner, TileStatus::Inside)));
+            }
+            (Status::Inside, None) => all.push(tile(&own.params, TileStatus::Inside)),
+            (Status::Outside, None) => all.push(tile(&own.params, TileStatus::Outside)),
+            (Status::Undecided, _) => all.push(tile(&own.params, TileStatus::Undecided)),
+        }
+    }
+    all
 }
 
 /// What is drawn.
@@ -108,19 +185,10 @@ fn figures(model: &Model, found: &Findings) -> Identification {
         inner: bounds.inner.map(pair),
         tightness: bounds.tightness(),
     });
-    let tiles = found.identified.tiles.iter();
-    let tiles = tiles.map(|tile| PavingTile {
-        params: tile.params.iter().map(|x| pair(*x)).collect(),
-        status: match tile.status {
-            Status::Inside => TileStatus::Inside,
-            Status::Outside => TileStatus::Outside,
-            Status::Undecided => TileStatus::Undecided,
-        },
-    });
     Identification {
         title: model.name.clone(),
         params: params.collect(),
-        tiles: tiles.collect(),
+        tiles: drawn(found),
     }
 }
 

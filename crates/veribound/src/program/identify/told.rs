@@ -11,7 +11,7 @@ use veribound_data::{
     IdentifiedParameter, IdentifiedReset, IdentifiedStart, IdentifiedState, IdentifiedSummary,
     IdentifiedWork, LeastErrors, Paving, RefutedTogether,
 };
-use veribound_estimate::identify::{Bounds, Conclusion, LeastError, Limit, Status};
+use veribound_estimate::identify::{Bounds, Conclusion, LeastError, Limit, Status, Tile};
 use veribound_interval::Interval;
 use veribound_interval::text::{lower, upper};
 use veribound_model::Model;
@@ -66,6 +66,7 @@ pub fn summary(
         }
     });
     let [inside, undecided] = shares(model, found);
+    let volume = identified.volume.unwrap_or(Interval::ENTIRE);
     IdentifiedSummary {
         verdict,
         reason,
@@ -83,7 +84,7 @@ pub fn summary(
             .as_ref()
             .map(|least| LeastErrors::new(least.factor, &model.params, least.point.as_deref())),
         paving: (!identified.tiles.is_empty())
-            .then(|| Paving::new(identified.tiles.len(), inside, undecided)),
+            .then(|| Paving::new(identified.tiles.len(), [inside, undecided], volume)),
         points: identified.points.len(),
         work: IdentifiedWork {
             wall_s: found.seconds,
@@ -134,11 +135,21 @@ fn shares(model: &Model, found: &Findings) -> [Interval; 2] {
     let outer: Vec<Interval> = found.params(model).iter().map(|both| both.outer).collect();
     let width = |x: Interval| Interval::point(x.hi()) - Interval::point(x.lo());
     let is_bounded = |list: &[Interval]| list.iter().all(|x| !x.is_empty() && x.is_bounded());
-    let share = |params: &[Interval]| {
-        if !is_bounded(params) || !is_bounded(&outer) {
+    let share = |tile: &Tile| {
+        if !is_bounded(&tile.params) || !is_bounded(&outer) {
             return Interval::ENTIRE;
         }
-        let widths = params
+        if let Some(turned) = &tile.turned {
+            let Some(frame) = found.identified.frames.get(turned.frame) else {
+                return Interval::ENTIRE;
+            };
+            let wide = outer.iter().filter(|whole| whole.lo() < whole.hi());
+            return wide.fold(frame.volume(&turned.unknowns), |share, whole| {
+                share / width(*whole)
+            });
+        }
+        let widths = tile
+            .params
             .iter()
             .zip(&outer)
             .filter(|(_, whole)| whole.lo() < whole.hi());
@@ -150,7 +161,7 @@ fn shares(model: &Model, found: &Findings) -> [Interval; 2] {
         let tiles = found.identified.tiles.iter();
         tiles
             .filter(|tile| tile.status == status)
-            .fold(Interval::ZERO, |sum, tile| sum + share(&tile.params))
+            .fold(Interval::ZERO, |sum, tile| sum + share(tile))
     })
 }
 
@@ -205,6 +216,14 @@ pub fn bounds(model: &Model, data: &Data, found: &Findings) -> String {
             lower(100.0 * inside.lo().max(0.0), 3),
             upper(100.0 * undecided.hi(), 3),
         );
+        if let Some(volume) = identified.volume.filter(|_| model.params.len() > 1) {
+            let _ = writeln!(
+                out,
+                "  volume of what agrees: at least {}, at most {}",
+                lower(volume.lo().max(0.0), 4),
+                upper(volume.hi(), 4),
+            );
+        }
     }
     out
 }
@@ -217,10 +236,13 @@ pub fn table(
     (folder, pictures): (&Path, String),
 ) -> String {
     let mut out = bounds(model, data, found);
-    let paving = if found.identified.tiles.is_empty() {
-        ""
-    } else {
-        "paving.csv, "
+    let paving = match (
+        found.identified.tiles.is_empty(),
+        found.identified.frames.is_empty(),
+    ) {
+        (true, _) => "",
+        (false, true) => "paving.csv, ",
+        (false, false) => "paving.csv, turned.csv, frames.csv, ",
     };
     let _ = writeln!(
         out,
@@ -315,7 +337,7 @@ pub(super) mod tests {
     use super::*;
     use std::fs;
     use veribound_data::{Record, RecordOptions};
-    use veribound_estimate::identify::{Identified, Reason, Refuted, Tile};
+    use veribound_estimate::identify::{Identified, Reason, Refuted};
     use veribound_interval::Decimal;
 
     /// A cart with two parameters, `x' = k u`.
@@ -355,6 +377,7 @@ pub(super) mod tests {
         let (k, c) = (priors[0], priors[1]);
         let tile = |k: Interval, c: Interval, status: Status, reason: Reason| Tile {
             params: vec![k, c],
+            turned: None,
             status,
             reason,
         };
@@ -413,6 +436,8 @@ pub(super) mod tests {
                 passes: 30,
                 interrupted: false,
                 limits: vec![Limit::Record, Limit::Budget],
+                frames: Vec::new(),
+                volume: Some(interval(0.25, 2.5)),
             },
             least: None,
             least_disturbance: None,
@@ -491,6 +516,7 @@ pub(super) mod tests {
         let mut found = found();
         let tile = |lo: f64, hi: f64, status: Status| Tile {
             params: vec![interval(lo, hi), interval(-0.5, 0.25)],
+            turned: None,
             status,
             reason: Reason::Met,
         };
@@ -517,6 +543,8 @@ pub(super) mod tests {
             "{told}"
         );
         assert!(told.contains("points.csv, paving.csv, run.toml"), "{told}");
+        let line = "  volume of what agrees: at least 0.25, at most 2.5\n";
+        assert!(told.contains(line), "{told}");
         // No bounds, no shares.
         found.identified.params[0].outer = Interval::ENTIRE;
         let [inside, undecided] = shares(&model(), &found);
@@ -545,6 +573,7 @@ pub(super) mod tests {
             serde_json::Value::Null
         );
         assert_eq!(json["paving"]["tiles"], 5);
+        assert_eq!(json["paving"]["volume"]["hi"], 2.5);
         assert_eq!(json["work"]["sets"], 12);
     }
 }
