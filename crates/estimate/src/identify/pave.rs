@@ -239,7 +239,7 @@ impl<'a> Paving<'a> {
                 let params = open.params.iter().map(|x| x.inflate(MARGIN * x.width()));
                 let params: Vec<Interval> = params.collect();
                 let whole = [&starts[..], &params].concat();
-                problem.refine(Region::of_box(&whole), Vec::new(), false)
+                problem.refine(Region::of_box(&whole), Vec::new(), false, &|| true)
             })
             .collect();
         for (open, cell) in waiting.drain(..).zip(cells) {
