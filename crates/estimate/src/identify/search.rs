@@ -482,7 +482,11 @@ impl<'a> Search<'a> {
                 let within = self.believed.clone();
                 vec![Job::Divide(region, Vec::new(), within)]
             }
-            None => self.next_jobs(),
+            None if keep.goes_on(&standing) => self.next_jobs(),
+            None => {
+                self.interrupted = true;
+                return;
+            }
         };
         let patience = PATIENCE.1.max(self.options.sets / PATIENCE.0);
         while !jobs.is_empty() {
