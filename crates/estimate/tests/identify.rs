@@ -561,6 +561,51 @@ fn threads_and_interruptions() {
     assert!(early.tiles.iter().any(is_open));
 }
 
+/// A set of a long record takes its time: it is asked on the way through whether to go on, and whenever that is denied, what
+/// was proved until then holds and nothing more is begun.
+#[test]
+fn a_set_can_be_ended_before_it_is_whole() {
+    let text = "format = 1\nstates = [\"x\"]\ninit.x = [0, 2]\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"\n";
+    let model = read("decay", text);
+    let told = (0..=400).map(|n| {
+        let time = 0.005 * f64::from(n);
+        let y = (-time).exp();
+        (time, Some(interval(y - 0.009, y + 0.009)))
+    });
+    let record = [samples(&told.collect::<Vec<_>>(), &[])];
+    let options = IdentifyOptions {
+        threads: 1,
+        ..IdentifyOptions::default()
+    };
+    let asked_before = |most: usize| {
+        let asked = std::sync::atomic::AtomicUsize::new(0);
+        let first = std::sync::atomic::AtomicUsize::new(0);
+        let found = identify(&model, &record, &options, &|standing| {
+            let before = asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            if standing.sets == 0 {
+                first.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            }
+            before < most
+        });
+        (found, asked.into_inner(), first.into_inner())
+    };
+    let (whole, all, first) = asked_before(usize::MAX);
+    assert!(first > 8 && !whole.interrupted, "{first} of {all}");
+    for most in 0..all.min(12) {
+        let (found, asked, _) = asked_before(most);
+        assert_eq!((found.interrupted, asked), (true, most + 1));
+        assert!(
+            whole.params[0]
+                .inner
+                .unwrap()
+                .is_subset_of(found.params[0].outer)
+        );
+        let work = [&found, &whole].map(|found| (found.sets, found.passes));
+        assert!(work[0].0 <= work[1].0 && work[0].1 <= work[1].1, "{work:?}");
+        assert!(!matches!(found.conclusion, Conclusion::Inconsistent(_)));
+    }
+}
+
 /// What rests is measured at 0 and at 1 with errors of 0.1: five times as much is needed, and enough.
 #[test]
 fn the_least_error_of_two_measurements_of_one_thing() {

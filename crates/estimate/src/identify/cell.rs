@@ -8,13 +8,15 @@ use std::collections::BTreeSet;
 
 use super::answer::Reason;
 use super::eigen::eigenvectors;
-use super::pass::{Aim, Conflict, Set, Span, contract, pass};
+use super::pass::{Aim, Conflict, GoOn, Set, Span, contract, pass};
 use super::pave::reason_of;
 use super::problem::Problem;
 use super::region::{Region, scales_of};
 use super::rows::{Affine, Rows};
 use super::simplex::{Deepest, Program, Side, deepest};
-use super::windows::{Joined, Junctions, Window, common, information, joined, widths};
+use super::windows::{
+    Joined, Junctions, Window, common, in_common, information, joined, junctions, widths,
+};
 use serde::{Deserialize, Serialize};
 use veribound_flow::form::Parallelotope;
 use veribound_interval::Interval;
@@ -22,8 +24,9 @@ use veribound_interval::Interval;
 /// A round that leaves more than this share of every axis was not worth it.
 const WORTHWHILE: f64 = 0.8;
 
-/// So many unknowns of windows are looked at together at first, and at most.
+/// So many unknowns of windows are looked at together at first, so many times as many each time, and so many at most.
 const FIRST: usize = 8;
+const MORE: usize = 4;
 const MOST: usize = 64;
 
 /// Most rounds for one region.
@@ -39,7 +42,7 @@ const WIDER: f64 = 1.3;
 pub(crate) const BORDER: f64 = 1e-6;
 
 /// Slopes for a fit are those of a region of this share around a point,
-const TINY: f64 = 1e-6;
+const TINY: f64 = 1.0 / ((1 << 20) as f64);
 
 /// and it moves by this share of the region at first, so many times at most.
 const TRUST: f64 = 0.5;
@@ -51,6 +54,10 @@ const HOPELESS: usize = 2;
 /// A climb has so many steps at most, keeps inside of what was measured by this share,
 const CLIMBS: usize = 5;
 const MARGIN: f64 = 1e-3;
+
+/// takes steps so many times as long where they succeed or would bring too little, until this,
+const LONGER: f64 = 4.0;
+const FARTHEST: f64 = 1024.0;
 
 /// may be outside by this share on its way, and has arrived when a step brought no more than this share of it.
 const ASTRAY: f64 = 0.1;
@@ -75,7 +82,7 @@ pub(crate) struct Cell {
     /// About how far from linear what is told depends on each axis.
     pub(crate) curvature: Vec<f64>,
     pub(crate) passes: usize,
-    /// For every record the last sample that its start states were followed to.
+    /// For every record the last sample that its windows came to.
     pub(crate) reached: Vec<usize>,
     /// For every record samples at which windows began, and the states there of all solutions that are left.
     pub(crate) junctions: Vec<Junctions>,
@@ -89,6 +96,20 @@ pub(crate) struct Clash {
     pub(crate) record: usize,
     pub(crate) conflict: Conflict,
     pub(crate) passes: usize,
+}
+
+/// What passes through all records came to.
+///
+/// All of it is of one region: nothing of it holds for solutions outside.
+struct Seen {
+    /// In the scales that are common to all windows,
+    region: Region,
+    /// of which each is so much of what it was.
+    scales: Vec<(Interval, Interval)>,
+    windows: Vec<Window>,
+    is_complete: bool,
+    curvature: Vec<f64>,
+    reached: Vec<usize>,
 }
 
 impl Problem {
@@ -120,35 +141,41 @@ impl Problem {
         mut region: Region,
         mut known: Vec<Junctions>,
         may_turn: bool,
+        go_on: &GoOn<'_>,
     ) -> Result<Cell, Clash> {
         let mut passes = 0;
         known.resize(self.courses.len(), Junctions::new());
         let mut together = FIRST;
         for round in 1.. {
-            let windows = Some((&known[..], together));
-            let (cell, shrunk) = match self.round(region, &mut passes, windows) {
-                Ok(done) => done,
-                Err((record, conflict)) => {
-                    return Err(Clash {
-                        record,
-                        conflict,
-                        passes,
-                    });
-                }
+            let clash = |(record, conflict), passes| Clash {
+                record,
+                conflict,
+                passes,
             };
-            let (next, turned) = cell.smaller(may_turn);
-            let is_last = round >= ROUNDS;
-            let mut states = widths(&cell.junctions).into_iter().zip(widths(&known));
-            let goes_on = states.any(|(now, before)| now < WORTHWHILE * before);
-            if is_last || (shrunk > WORTHWHILE && !turned && !goes_on) {
+            let seen = self.passed(region, &mut passes, Some(&known), go_on);
+            let seen = seen.map_err(|found| clash(found, passes))?;
+            let is_last = round >= ROUNDS || !go_on();
+            let own = seen.windows.iter().map(Window::own).sum();
+            (region, known) = loop {
+                let told = self.told(&seen, together);
+                let (mut cell, shrunk) = told.map_err(|found| clash(found, passes))?;
+                let (next, turned) = cell.smaller(may_turn);
+                let brings = shrunk <= WORTHWHILE || turned;
                 // More windows together tell more, and take longer.
-                let begins: usize = cell.junctions.iter().map(Junctions::len).sum();
-                if is_last || together >= MOST.min(begins * self.layout.states) {
+                if !brings && !is_last && together < MOST.min(own) {
+                    together *= MORE;
+                    continue;
+                }
+                let states = junctions(&seen.windows, &cell.part);
+                cell.junctions = states.map_err(|found| clash(found, passes))?;
+                cell.junctions.resize(self.courses.len(), Junctions::new());
+                let states = widths(&cell.junctions).into_iter().zip(widths(&known));
+                let mut states = states.filter(|(now, before)| *now < WORTHWHILE * before);
+                if is_last || !brings && states.next().is_none() {
                     return Ok(Cell { passes, ..cell });
                 }
-                together *= 2;
-            }
-            (region, known) = (next, cell.junctions);
+                break (next, cell.junctions);
+            };
         }
         unreachable!("PROOF: the loop ends by returning")
     }
@@ -156,37 +183,46 @@ impl Problem {
     /// One round for a small region around a point, only to find points that are proved to agree.
     ///
     /// The point is given in the unknowns of `region`, and `reaches` says how far around it.
-    pub(crate) fn probe(&self, region: &Region, point: &[f64], reaches: &[f64]) -> Option<Cell> {
+    pub(crate) fn probe(
+        &self,
+        region: &Region,
+        point: &[f64],
+        reaches: &[f64],
+        go_on: &GoOn<'_>,
+    ) -> Option<Cell> {
         let part: Vec<Interval> = point
             .iter()
             .zip(reaches)
             .map(|(x, reach)| Interval::point(*x).inflate(*reach))
             .collect();
         let mut passes = 0;
-        let (cell, _) = self.round(region.part(&part), &mut passes, None).ok()?;
+        let seen = self
+            .passed(region.part(&part), &mut passes, None, go_on)
+            .ok()?;
+        let (cell, _) = self.told(&seen, 0).ok()?;
         Some(Cell { passes, ..cell })
     }
 
     /// Goes from a point of the region to one nearby that agrees with all records, as far as that is seen without proof:
     /// each time to the deepest point of what is measured as linear functions there.
-    pub(crate) fn fit(&self, region: &Region, point: &[f64]) -> Option<Vec<f64>> {
+    pub(crate) fn fit(&self, region: &Region, point: &[f64], go_on: &GoOn<'_>) -> Option<Vec<f64>> {
         let mut at = point.to_vec();
         let mut trust = TRUST;
-        let (mut depth, mut rows) = self.linear(region, &at)?;
+        let (mut depth, mut rows) = self.linear(region, &at, go_on)?;
         for tried in 0..FITS {
             if depth > 0.0 {
                 return Some(at);
             }
             let ends = at.iter().map(|x| {
                 let (lo, hi) = ((x - trust).max(-1.0), (x + trust).min(1.0));
-                Interval::new((lo - x) / TINY, (hi - x) / TINY).unwrap_or(Interval::ZERO)
+                Interval::new(lo - x, hi - x).unwrap_or(Interval::ZERO)
             });
             let (step, hoped) = deepest(&rows, &ends.collect::<Vec<_>>());
             if tried >= HOPELESS && hoped < 0.0 {
                 return None;
             }
-            let next: Vec<f64> = at.iter().zip(&step).map(|(x, by)| x + TINY * by).collect();
-            let better = self.linear(region, &next);
+            let next: Vec<f64> = at.iter().zip(&step).map(|(x, by)| x + by).collect();
+            let better = self.linear(region, &next, go_on);
             match better.filter(|(own, _)| *own > depth) {
                 Some(found) => (at, depth, rows) = (next, found.0, found.1),
                 None => trust *= 0.3,
@@ -203,24 +239,34 @@ impl Problem {
         point: &[f64],
         (quantity, is_upper): (usize, bool),
         least: f64,
+        go_on: &GoOn<'_>,
     ) -> Option<Vec<f64>> {
         let sign = if is_upper { -1.0 } else { 1.0 };
         let direction: Vec<f64> = region.axes[quantity].iter().map(|x| sign * x).collect();
         let height = |at: &[f64]| -> f64 { direction.iter().zip(at).map(|(d, x)| d * x).sum() };
         let mut best = point.to_vec();
         let mut at = point.to_vec();
-        let mut trust = TRUST;
-        let (_, mut rows) = self.linear(region, &at)?;
+        let (mut trust, mut farthest) = (TRUST, FARTHEST);
+        let (_, mut rows) = self.linear(region, &at, go_on)?;
         for _ in 0..CLIMBS {
-            let step = highest(&rows, trust / TINY, &direction);
-            let next: Vec<f64> = at.iter().zip(&step).map(|(x, by)| x + TINY * by).collect();
+            let (mut step, mut is_near);
+            let mut next: Vec<f64>;
+            // What is far away is reached by a longer step, as far as rows let it go.
+            loop {
+                step = highest(&rows, trust, &direction);
+                next = at.iter().zip(&step).map(|(x, by)| x + by).collect();
+                is_near = step.iter().all(|x| x.abs() < 0.9 * trust);
+                if is_near || trust >= farthest || height(&best) - height(&next) >= least {
+                    break;
+                }
+                trust = farthest.min(LONGER * trust);
+            }
             if height(&best) - height(&next) < least {
                 break;
             }
-            let found = self.linear(region, &next);
+            let found = self.linear(region, &next, go_on);
             match found.filter(|(depth, _)| *depth > -ASTRAY) {
                 Some((depth, own)) => {
-                    let is_near = step.iter().all(|x| x.abs() < 0.9 * trust / TINY);
                     (at, rows) = (next, own);
                     if depth > 0.0 && height(&at) < height(&best) {
                         let gain = height(&best) - height(&at);
@@ -230,19 +276,20 @@ impl Problem {
                             break;
                         }
                     }
-                    trust *= 4.0;
+                    trust = farthest.min(LONGER * trust);
                 }
                 None => {
                     trust *= 0.2;
+                    farthest = trust;
                 }
             }
         }
         Some(best)
     }
 
-    /// What is measured as linear functions about a point of a region, in unknowns that are [`TINY`] there, and how deep
-    /// inside of it the point is; nothing where a pass does not come to its end.
-    fn linear(&self, region: &Region, point: &[f64]) -> Option<(f64, Rows)> {
+    /// What is measured as linear functions of the step from a point of a region, in its unknowns, and how deep inside of
+    /// it the point is; nothing where a pass does not come to its end.
+    fn linear(&self, region: &Region, point: &[f64], go_on: &GoOn<'_>) -> Option<(f64, Rows)> {
         let part: Vec<Interval> = point
             .iter()
             .map(|x| Interval::point(*x).inflate(TINY))
@@ -259,6 +306,7 @@ impl Problem {
                 from: 0,
                 until: course.end(),
                 aim: Aim::Slopes,
+                go_on,
             };
             let set = self.set(record, rows, true);
             let passed = pass(self, course, span, set, BTreeSet::new());
@@ -270,23 +318,26 @@ impl Problem {
         for (i, believed) in self.believed().iter().enumerate() {
             all.push(&region.axes[i], region.offset(i), *believed, BELIEVED, 0);
         }
+        let steps = (Interval::ZERO, Interval::point(1.0 / TINY));
+        all.rescale(&vec![steps; region.axes()]);
         Some((depth_of(&all), all))
     }
 
-    /// One pass through every record; also tells the smallest share of an axis that is left.
-    fn round(
+    /// Passes through every record, in windows where states are known at begins of these, if only none.
+    fn passed(
         &self,
         region: Region,
         passes: &mut usize,
-        windows_of: Option<(&[Junctions], usize)>,
-    ) -> Result<(Cell, f64), (usize, Conflict)> {
+        known_of: Option<&[Junctions]>,
+        go_on: &GoOn<'_>,
+    ) -> Result<Seen, (usize, Conflict)> {
         let axes = region.axes();
         let mut curvature = vec![0.0; axes];
         let mut is_complete = true;
         let mut reached = Vec::new();
         let mut windows: Vec<Window> = Vec::new();
         for (record, course) in self.courses.iter().enumerate() {
-            let fixed = self.fixed_of(record, windows_of.is_none());
+            let fixed = self.fixed_of(record, known_of.is_none());
             let starts = self.starts(record).chain(fixed);
             let (rows, kept) = region.rows_of(&starts.collect::<Vec<_>>());
             let until = course.end();
@@ -297,25 +348,25 @@ impl Problem {
             let span = Span {
                 from: 0,
                 until,
-                aim: if windows_of.is_some() {
+                aim: if known_of.is_some() {
                     Aim::Bounds
                 } else {
                     Aim::Points
                 },
+                go_on,
             };
             *passes += 1;
-            let known = windows_of.map(|(known, _)| &known[record]);
+            let known = known_of.map(|known| &known[record]);
             let wanted = known
                 .iter()
                 .flat_map(|known| known.keys().copied())
                 .collect();
-            let set = self.set(record, rows, windows_of.is_none());
+            let set = self.set(record, rows, known_of.is_none());
             let passed = pass(self, course, span, set, wanted);
             if let Some(conflict) = passed.conflict {
                 return Err(of_record(record, conflict));
             }
             is_complete &= passed.is_complete;
-            reached.push(passed.reached);
             for (axis, bend) in kept.iter().zip(&passed.curvature) {
                 curvature[*axis] += bend;
             }
@@ -327,19 +378,31 @@ impl Problem {
                 link: None,
             });
             if let Some(known) = known.filter(|_| is_short) {
-                self.later_windows(&region, known, &mut windows, passes)?;
+                self.later_windows(&region, known, &mut windows, passes, go_on)?;
             }
+            reached.push(windows.last().map_or(until, |last| last.passed.reached));
         }
         // The unknowns that are left to all of them.
         let scales = common(&windows, axes)?;
-        let together = windows_of.map_or(0, |(_, together)| together);
+        in_common(&mut windows, &scales);
+        Ok(Seen {
+            region: region.rescaled(&scales),
+            scales,
+            windows,
+            is_complete,
+            curvature,
+            reached,
+        })
+    }
+
+    /// What passes say, windows with so many unknowns being looked at together; also tells the smallest share of an
+    /// axis that is left.
+    fn told(&self, seen: &Seen, together: usize) -> Result<(Cell, f64), (usize, Conflict)> {
+        let region = &seen.region;
         let Joined {
             mut rows,
-            mut junctions,
             deepest: deep,
-        } = joined(windows, &scales, together)?;
-        junctions.resize(self.courses.len(), Junctions::new());
-        let region = region.rescaled(&scales);
+        } = joined(&seen.windows, region.axes(), together)?;
         for (i, believed) in self.believed().iter().enumerate() {
             // What does not depend on the unknowns may be any of its values, of which one that is believed is enough.
             let is_fixed = region.axes[i].iter().all(|x| *x == 0.0);
@@ -350,20 +413,21 @@ impl Problem {
         }
         rows.prune();
         let part = contract(&rows).map_err(|conflict| (0, conflict))?;
-        let shrunk = scales
+        let shrunk = seen
+            .scales
             .iter()
             .zip(&part)
             .map(|(scale, x)| scale.1.hi() * x.rad())
             .fold(1.0, f64::min);
         let cell = Cell {
-            region,
+            region: region.clone(),
             rows,
             part,
-            is_complete,
-            curvature,
+            is_complete: seen.is_complete,
+            curvature: seen.curvature.clone(),
             passes: 0,
-            reached,
-            junctions,
+            reached: seen.reached.clone(),
+            junctions: vec![Junctions::new(); self.courses.len()],
             deep,
         };
         Ok((cell, shrunk))
@@ -408,10 +472,11 @@ fn highest(rows: &Rows, trust: f64, direction: &[f64]) -> Vec<f64> {
         let inside = inside.unwrap_or(outer);
         inner.push(rows.slopes(row), Interval::ZERO, inside, 0, 0);
     }
-    let part = vec![Interval::symmetric(trust); rows.unknowns()];
-    Program::new(&inner, &part, Side::Outer)
-        .minimize(direction)
-        .point
+    // A program's tolerances are those of the unit box.
+    let unit = vec![Interval::symmetric(1.0); rows.unknowns()];
+    inner.rescale(&vec![(Interval::ZERO, Interval::point(trust)); unit.len()]);
+    let vertex = Program::new(&inner, &unit, Side::Outer).minimize(direction);
+    vertex.point.iter().map(|x| trust * x).collect()
 }
 
 /// How far inside of all rows, as share of what each allows, the middle of the unknowns is; below zero where outside.
@@ -453,8 +518,8 @@ impl Cell {
         known + row * self.rows.len() + 8 * (axes + 2) * self.region.centre.len() + 300
     }
 
-    /// Whether its lists have the lengths of a problem with so many quantities and records.
-    pub(crate) fn fits(&self, quantities: usize, records: usize) -> bool {
+    /// Whether its lists have the lengths of a problem with so many quantities, states and records.
+    pub(crate) fn fits(&self, (quantities, states): (usize, usize), records: usize) -> bool {
         let axes = self.part.len();
         let region = &self.region;
         let lists = [region.centre.len(), region.axes.len(), region.rest.len()];
@@ -464,6 +529,12 @@ impl Cell {
             && self.curvature.len() == axes
             && self.reached.len() == records
             && self.junctions.len() == records
+            && self
+                .junctions
+                .iter()
+                .flat_map(Junctions::values)
+                .all(|box_| box_.len() == states)
+            && self.deep.as_ref().is_none_or(|deep| deep.0.len() == axes)
     }
 
     /// The region that is left, turned along its rows where that makes it much smaller.
@@ -649,5 +720,43 @@ impl Cell {
         };
         (whole.lo() < at && at < whole.hi())
             .then(|| Some([half(whole.lo(), at)?, half(at, whole.hi())?]))?
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// However long the step that may be taken, a vertex of rows in nearly one direction is inside of all of them: their
+    /// slopes are small, and the ends of the box are far.
+    #[test]
+    fn the_farthest_point_is_inside_of_all_rows() {
+        let mut rows = Rows::new(4);
+        for k in 0..300 {
+            let t = f64::from(k) * 0.01;
+            let slopes = [1.0, 1e-2 * t, 1e-4 * t * t, 1e-5 * (7.0 * t).sin()].map(|g| 1e-3 * g);
+            let around = 1e-3 * (11.0 * t).cos();
+            let told = Interval::point(around).inflate(3e-3);
+            rows.push(&slopes, Interval::ZERO, told, 0, 0);
+        }
+        for direction in [
+            [0.0, 1.0, 0.0, 0.0],
+            [0.0, 0.0, -1.0, 0.0],
+            [0.1, 0.0, 0.0, 1.0],
+        ] {
+            for trust in [1.0, 1e3, 1e6] {
+                let point = highest(&rows, trust, &direction);
+                for row in 0..rows.len() {
+                    let value = rows.slopes(row).iter().zip(&point);
+                    let value: f64 = value.map(|(g, x)| g * x).sum();
+                    let outer = rows.outer(row);
+                    let rounding = 1e-6 * outer.width();
+                    assert!(
+                        outer.inflate(rounding).contains(value),
+                        "{value} in {outer} with {trust}"
+                    );
+                }
+            }
+        }
     }
 }

@@ -141,10 +141,7 @@ impl Trial<'_> {
             .collect();
         let problem = Problem::of(self.model, &wider);
         let mut search = Search::new(&problem, &self.options);
-        let keep = Keep {
-            save: &|_| (),
-            go_on: self.go_on,
-        };
+        let keep = Keep::new(&|_| (), self.go_on);
         searched(&mut search, (self.model, &wider), &keep);
         let ended = search.answer(super::pave::Paved::default());
         self.found.sets += ended.sets;

@@ -28,6 +28,7 @@ use pave::Paved;
 use problem::Problem;
 use region::Region;
 use search::Search;
+use std::sync::atomic::{AtomicBool, Ordering};
 use veribound_interval::Interval;
 use veribound_model::{Model, Sample};
 
@@ -70,10 +71,7 @@ pub fn resume(
             Some(saved) => search.read(saved)?,
             None => None,
         };
-        let keep = Keep {
-            save: checkpoints.save,
-            go_on,
-        };
+        let keep = Keep::new(checkpoints.save, go_on);
         if tiles.is_none() {
             if checkpoints.from.is_some() {
                 search.run(None, &keep);
@@ -98,6 +96,26 @@ pub fn resume(
 pub(crate) struct Keep<'a> {
     save: &'a Save<'a>,
     go_on: &'a (dyn Fn(&Progress) -> bool + Sync),
+    /// Whether it was told to end: what it did last is not whole then.
+    ends: AtomicBool,
+}
+
+impl<'a> Keep<'a> {
+    pub(crate) fn new(
+        save: &'a Save<'a>,
+        go_on: &'a (dyn Fn(&Progress) -> bool + Sync),
+    ) -> Keep<'a> {
+        let ends = AtomicBool::new(false);
+        Keep { save, go_on, ends }
+    }
+
+    /// Whether to go on; once that is denied, it stays so.
+    pub(crate) fn goes_on(&self, progress: &Progress) -> bool {
+        if !self.ends.load(Ordering::Relaxed) && !(self.go_on)(progress) {
+            self.ends.store(true, Ordering::Relaxed);
+        }
+        !self.ends.load(Ordering::Relaxed)
+    }
 }
 
 /// How often the largest factor tried is taken of the one before.
@@ -138,10 +156,7 @@ pub fn least_error(
                         .collect()
                 })
                 .collect();
-            let keep = Keep {
-                save: &|_| (),
-                go_on,
-            };
+            let keep = Keep::new(&|_| (), go_on);
             searched(&mut search, (model, &wider), &keep);
             let (below, least) = search.least();
             let spent = search.answer(Paved::default());
@@ -175,11 +190,11 @@ fn scaled(sample: &Sample, times: f64) -> Sample {
 fn searched(search: &mut Search<'_>, (model, records): (&Model, &[Vec<Sample>]), keep: &Keep<'_>) {
     let problem = search.problem();
     let mut believed = problem.believed();
-    if search.reaches(&believed) {
+    if search.reaches(&believed, keep) {
         search.run(None, keep);
         return;
     }
-    let alive = || (keep.go_on)(&search.progress());
+    let alive = || keep.goes_on(&search.progress());
     match gross::narrow(problem, model, records, &mut believed, &alive) {
         Ok(()) => search.run(Some(Region::of_box(&believed)), keep),
         Err(clash) => search.refute(clash),

@@ -6,6 +6,7 @@
 
 use std::cell::Cell as Shared;
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use super::outliers::Doubtful;
 use super::problem::{Course, Moved, Problem, Value};
@@ -42,16 +43,23 @@ const HALVINGS: usize = 30;
 /// and in no more where none of the first so many did.
 const ROUGHLY: usize = 8;
 
+/// Samples between two questions whether to go on.
+const ASKS: usize = 64;
+
 /// States are kept at so many samples of a pass at most.
 const ANCHORS: usize = 12;
 
+/// Is asked now and then whether work is to go on; who is told that it is not ends with what is proved until then.
+pub(crate) type GoOn<'a> = dyn Fn() -> bool + Sync + 'a;
+
 /// What is asked of a pass.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Span {
+#[derive(Clone, Copy)]
+pub(crate) struct Span<'a> {
     /// First and last sample.
     pub(crate) from: usize,
     pub(crate) until: usize,
     pub(crate) aim: Aim,
+    pub(crate) go_on: &'a GoOn<'a>,
 }
 
 /// What a pass is for.
@@ -122,7 +130,7 @@ struct Meeter<'a> {
     problem: &'a Problem,
     moved: &'a Moved,
     course: &'a Course,
-    span: Span,
+    span: Span<'a>,
     /// Sample at the begin of the journey at hand, and at its end.
     begin: usize,
     end: usize,
@@ -156,13 +164,15 @@ struct Meeter<'a> {
 pub(crate) fn pass(
     problem: &Problem,
     course: &Course,
-    span: Span,
+    span: Span<'_>,
     set: Set,
     wanted: BTreeSet<usize>,
 ) -> Passed {
-    // Rows are affine, and what is not is best known by polynomials of the next degree.
+    // Rows are affine, and what is not is best known by polynomials of the next degree; of slopes alone no more than these
+    // is wanted.
+    let degree = if span.aim == Aim::Slopes { 1 } else { 2 };
     let options = FormOptions {
-        degree: Some(2),
+        degree: Some(degree),
         ..FormOptions::default()
     };
     let moved = problem.moved(span.aim.is_for_points());
@@ -380,6 +390,10 @@ impl Meeter<'_> {
         }
         let instant = &self.course.instants[sample];
         self.reached = sample;
+        if sample.is_multiple_of(ASKS) && !(self.span.go_on)() {
+            self.over.set(true);
+            self.is_complete = false;
+        }
         let inputs = if self.span.aim.is_for_points() {
             &instant.nominal
         } else {
@@ -551,9 +565,20 @@ impl Meeter<'_> {
 /// The smallest box around what the outer rows leave of the unit box, about, and proved to contain it.
 pub(crate) fn contract(rows: &Rows) -> Result<Vec<Interval>, Conflict> {
     let mut part = vec![Interval::symmetric(1.0); rows.unknowns()];
-    for v in 0..part.len() {
+    let all = 0..part.len();
+    narrow(rows, &mut part, all)?;
+    Ok(part)
+}
+
+/// Narrows some unknowns of a box to what the outer rows leave of it, as [`contract`].
+pub(crate) fn narrow(
+    rows: &Rows,
+    part: &mut [Interval],
+    unknowns: Range<usize>,
+) -> Result<(), Conflict> {
+    for v in unknowns {
         for sign in [1.0, -1.0] {
-            let program = Program::new(rows, &part, Side::Outer);
+            let program = Program::new(rows, part, Side::Outer);
             let mut direction = vec![0.0; part.len()];
             direction[v] = sign;
             let vertex = program.minimize(&direction);
@@ -566,12 +591,12 @@ pub(crate) fn contract(rows: &Rows) -> Result<Vec<Interval>, Conflict> {
                 samples
             };
             if vertex.is_impossible {
-                if refutes(rows, &part, &vertex.multipliers) {
+                if refutes(rows, part, &vertex.multipliers) {
                     return Err(Conflict::Rows { samples: samples() });
                 }
                 continue;
             }
-            let least = minimum(rows, &part, &direction, &vertex.multipliers);
+            let least = minimum(rows, part, &direction, &vertex.multipliers);
             let half = if sign > 0.0 {
                 Interval::new(least, f64::INFINITY)
             } else {
@@ -584,5 +609,5 @@ pub(crate) fn contract(rows: &Rows) -> Result<Vec<Interval>, Conflict> {
             part[v] = narrowed;
         }
     }
-    Ok(part)
+    Ok(())
 }

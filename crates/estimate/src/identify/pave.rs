@@ -391,7 +391,9 @@ impl<'a> Paving<'a> {
 
     /// What samples say of a tile, and of the same along other axes where it is much smaller there.
     fn look_at(&self, open: &Open) -> Result<(Cell, Option<Cell>), Clash> {
-        let cell = self.problem.refine(self.region(open), Vec::new(), false)?;
+        let cell = self
+            .problem
+            .refine(self.region(open), Vec::new(), false, &|| true)?;
         let notable = NOTABLE * (self.state.undecided + self.state.inside);
         if !self.may_turn || open.frame.is_some() || open.volume < notable {
             return Ok((cell, None));
@@ -405,7 +407,7 @@ impl<'a> Paving<'a> {
             };
             let Some(region) = region else { break };
             let spent = cell.passes + passes;
-            let next = self.problem.refine(region, Vec::new(), false);
+            let next = self.problem.refine(region, Vec::new(), false, &|| true);
             let next = next.map_err(|clash| Clash {
                 passes: spent + clash.passes,
                 ..clash

@@ -410,7 +410,7 @@ impl Problem {
             });
             self.courses = only.collect();
             let prior = Region::of_box(&self.believed());
-            left > 0 && self.refine(prior, Vec::new(), true).is_err()
+            left > 0 && self.refine(prior, Vec::new(), true, &|| true).is_err()
         };
         let all: Vec<usize> = (0..count).collect();
         let begin = [found.samples, all]

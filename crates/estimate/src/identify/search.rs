@@ -9,7 +9,7 @@ use super::answer::{
     AfterReset, Bounds, Conclusion, Identified, IdentifyOptions, Limit, Progress, Unreadable,
 };
 use super::cell::{BELIEVED, Cell, Clash};
-use super::pass::Conflict;
+use super::pass::{Conflict, GoOn};
 use super::pave::{self, Paved, Paving};
 use super::problem::Problem;
 use super::region::Region;
@@ -86,12 +86,21 @@ struct Best {
     idle: usize,
 }
 
+impl Best {
+    /// Whether its lists have the lengths of a problem with so many quantities.
+    fn fits(&self, quantities: usize) -> bool {
+        let rows = &self.region.axes;
+        let lists = [self.region.centre.len(), rows.len(), self.region.rest.len()];
+        lists == [quantities; 3] && rows.iter().all(|row| row.len() == self.point.len())
+    }
+}
+
 /// What is to be looked at.
 enum Job {
-    /// A region, with the states that are known of its solutions,
-    Divide(Region, Vec<Junctions>),
-    /// Around the best point of this quantity and side,
-    Climb(usize, usize),
+    /// A region, with the states and the bounds of quantities that are known of its solutions,
+    Divide(Region, Vec<Junctions>, Vec<Interval>),
+    /// Around the best point of this quantity and side, from which so much is missing to the bound,
+    Climb(usize, usize, f64),
     /// or in the middle of a cell, where no point is known, with this reach.
     Middle(Box<Cell>, f64),
 }
@@ -177,9 +186,9 @@ impl<'a> Search<'a> {
     }
 
     /// Looks at the whole box; it is kept, and all there is, if it is excluded or comes to the end of every record.
-    pub(crate) fn reaches(&mut self, quantities: &[Interval]) -> bool {
-        let job = Job::Divide(Region::of_box(quantities), Vec::new());
-        let outcome = self.look_at(&job);
+    pub(crate) fn reaches(&mut self, quantities: &[Interval], keep: &Keep<'_>) -> bool {
+        let job = Job::Divide(Region::of_box(quantities), Vec::new(), quantities.to_vec());
+        let outcome = self.look_at(&job, &|| keep.goes_on(&self.progress()));
         let is_kept = match &outcome {
             Outcome::Left(leaf) => self.has_ended(&leaf.cell),
             _ => true,
@@ -202,14 +211,15 @@ impl<'a> Search<'a> {
         self.state.clashes.push(clash);
     }
 
-    fn look_at(&self, job: &Job) -> Outcome {
+    fn look_at(&self, job: &Job, go_on: &GoOn<'_>) -> Outcome {
         let probed = match job {
-            Job::Divide(region, known) => {
-                return match self.problem.refine(region.clone(), known.clone(), true) {
+            Job::Divide(region, known, within) => {
+                let problem = self.problem;
+                return match problem.refine(region.clone(), known.clone(), true, go_on) {
                     Ok(cell) => {
-                        // Regions may reach out of what is believed a little.
-                        let believed = self.believed.iter().enumerate();
-                        let outer = believed.map(|(i, x)| cell.outer(i).intersect(*x));
+                        // Regions may reach out of what they are parts of a little, and more where it ends early.
+                        let within = within.iter().enumerate();
+                        let outer = within.map(|(i, x)| cell.outer(i).intersect(*x));
                         Outcome::Left(Box::new(Leaf {
                             outer: outer.collect(),
                             points: cell.points(&self.wanted),
@@ -220,28 +230,30 @@ impl<'a> Search<'a> {
                     Err(clash) => Outcome::Gone(clash),
                 };
             }
-            Job::Climb(param, side) => self.state.best[*param][*side].as_ref().and_then(|best| {
-                let quantity = self.wanted[*param];
-                let problem = self.problem;
-                let outer = self.outer(quantity);
-                let end = if *side == 0 { outer.lo() } else { outer.hi() };
-                let least = WORTH * (end - best.value).abs();
-                let goal = (quantity, *side == 1);
-                let end = problem.climb(&best.region, &best.point, goal, least)?;
-                problem.probe(&best.region, &end, &vec![best.reach; end.len()])
-            }),
+            Job::Climb(param, side, missing) => {
+                let best = self.state.best[*param][*side].as_ref();
+                best.and_then(|best| {
+                    let problem = self.problem;
+                    let goal = (self.wanted[*param], *side == 1);
+                    let least = WORTH * missing;
+                    let end = problem.climb(&best.region, &best.point, goal, least, go_on)?;
+                    let reaches = vec![best.reach; end.len()];
+                    problem.probe(&best.region, &end, &reaches, go_on)
+                })
+            }
             Job::Middle(cell, reach) => {
                 let point = cell.deepest().0;
-                match self.problem.fit(&cell.region, &point) {
+                match self.problem.fit(&cell.region, &point, go_on) {
                     // It agrees; the question is how much around it is proved.
                     Some(fitted) => (0..TRIES).find_map(|nearer| {
                         let reaches = cell.reaches(reach * NEARER.powi(nearer));
-                        let probed = self.problem.probe(&cell.region, &fitted, &reaches);
+                        let probed = self.problem.probe(&cell.region, &fitted, &reaches, go_on);
                         probed.filter(|probed| !probed.points(&self.wanted).is_empty())
                     }),
-                    None => self
-                        .problem
-                        .probe(&cell.region, &point, &cell.reaches(*reach)),
+                    None => {
+                        let reaches = cell.reaches(*reach);
+                        self.problem.probe(&cell.region, &point, &reaches, go_on)
+                    }
                 }
             }
         };
@@ -268,7 +280,7 @@ impl<'a> Search<'a> {
             }
             Outcome::Proved(cell, points) => {
                 let (before, looked) = match job {
-                    Job::Climb(param, side) => {
+                    Job::Climb(param, side, _) => {
                         let before = self.state.best[*param][*side].clone();
                         let looked = before.as_ref().map_or(1.0, |best| best.reach);
                         (before, looked)
@@ -290,21 +302,18 @@ impl<'a> Search<'a> {
                         self.learn(&cell, point, looked);
                     }
                 }
-                if let Job::Climb(param, side) = job {
-                    self.pace(*param, *side, before);
+                if let Job::Climb(param, side, missing) = job {
+                    self.pace((*param, *side), before, *missing);
                 }
             }
         }
     }
 
     /// Looks nearer the end of a climb where the last one brought little.
-    fn pace(&mut self, param: usize, side: usize, before: Option<Best>) {
-        let outer = self.outer(self.wanted[param]);
-        let end = if side == 0 { outer.lo() } else { outer.hi() };
+    fn pace(&mut self, (param, side): (usize, usize), before: Option<Best>, missing: f64) {
         let (Some(before), Some(best)) = (before, &mut self.state.best[param][side]) else {
             return;
         };
-        let missing = (end - before.value).abs();
         if (best.value - before.value).abs() >= USEFUL * missing {
             best.idle = 0;
         } else {
@@ -466,18 +475,30 @@ impl<'a> Search<'a> {
     /// Goes on, with another region if there is one, until bounds are near enough to the best possible, or the budget
     /// is spent.
     pub(crate) fn run(&mut self, region: Option<Region>, keep: &Keep<'_>) {
+        // What is divided stands as it is until its halves are looked at.
+        let mut standing = self.progress();
         let mut jobs: Vec<Job> = match region {
-            Some(region) => vec![Job::Divide(region, Vec::new())],
-            None => self.next_jobs(),
+            Some(region) => {
+                let within = self.believed.clone();
+                vec![Job::Divide(region, Vec::new(), within)]
+            }
+            None if keep.goes_on(&standing) => self.next_jobs(),
+            None => {
+                self.interrupted = true;
+                return;
+            }
         };
         let patience = PATIENCE.1.max(self.options.sets / PATIENCE.0);
         while !jobs.is_empty() {
             let search = &*self;
-            let outcomes: Vec<Outcome> = jobs.par_iter().map(|job| search.look_at(job)).collect();
+            let go_on: &GoOn<'_> = &|| keep.goes_on(&standing);
+            let looked = jobs.par_iter().map(|job| search.look_at(job, go_on));
+            let outcomes: Vec<Outcome> = looked.collect();
             for (job, outcome) in jobs.iter().zip(outcomes) {
                 self.take(job, outcome);
             }
-            if !(keep.go_on)(&self.progress()) {
+            standing = self.progress();
+            if !keep.goes_on(&standing) {
                 self.interrupted = true;
                 return;
             }
@@ -536,7 +557,10 @@ impl<'a> Search<'a> {
             let side = usize::from(upper);
             let best = self.state.best[param][side].as_ref();
             if best.is_some_and(|best| best.reach > NEAREST && best.idle < IDLE) {
-                jobs.push(Job::Climb(param, side));
+                let outer = self.outer(quantity);
+                let end = if upper { outer.hi() } else { outer.lo() };
+                let missing = best.map_or(0.0, |best| (end - best.value).abs());
+                jobs.push(Job::Climb(param, side, missing));
             } else {
                 ended.push((quantity, upper));
             }
@@ -577,8 +601,9 @@ impl<'a> Search<'a> {
         for position in chosen {
             match self.state.leaves[position].cell.halves() {
                 Some(halves) => {
-                    let known = self.state.leaves.swap_remove(position).cell.junctions;
-                    jobs.extend(halves.map(|half| Job::Divide(half, known.clone())));
+                    let Leaf { cell, outer, .. } = self.state.leaves.swap_remove(position);
+                    let divide = |half| Job::Divide(half, cell.junctions.clone(), outer.clone());
+                    jobs.extend(halves.map(divide));
                 }
                 None => self.state.leaves[position].is_atom = true,
             }
@@ -597,7 +622,8 @@ impl<'a> Search<'a> {
         let sets = self.options.sets.saturating_mul(TILES_PER_SET);
         let limits = (sets, self.options.memory);
         let save = |state: &pave::State| (keep.save)(&|| self.saved(Some(state)));
-        let goes_on = paving.run(limits, &save, keep.go_on);
+        let go_on = |progress: &Progress| keep.goes_on(progress);
+        let goes_on = paving.run(limits, &save, &go_on);
         self.interrupted |= !goes_on;
         self.state.sets += paving.state.sets;
         self.state.passes += paving.state.passes;
@@ -617,12 +643,24 @@ impl<'a> Search<'a> {
         let read: Result<(State, Option<pave::State>), _> = postcard::from_bytes(saved);
         let (state, tiles) = read.map_err(|_| Unreadable)?;
         let quantities = self.believed.len();
-        let fits = |leaf: &Leaf| {
-            leaf.outer.len() == quantities && leaf.cell.fits(quantities, self.problem.courses.len())
-        };
+        let (lengths, records) = (
+            (quantities, self.problem.layout.states),
+            self.problem.courses.len(),
+        );
+        let fits = |leaf: &Leaf| leaf.outer.len() == quantities && leaf.cell.fits(lengths, records);
         let is_own = state.inner.len() == quantities
             && state.best.len() == self.wanted.len()
             && state.points.iter().all(|point| point.len() == quantities)
+            && state
+                .best
+                .iter()
+                .flatten()
+                .flatten()
+                .all(|best| best.fits(quantities))
+            && state
+                .tried
+                .iter()
+                .all(|(cell, _)| cell.fits(lengths, records))
             && state.leaves.iter().all(fits);
         if !is_own {
             return Err(Unreadable);

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 
 use super::cell::{BELIEVED, of_record};
 use super::eigen::eigenvectors;
-use super::pass::{Aim, Anchor, Conflict, Passed, Span, contract, pass};
+use super::pass::{Aim, Anchor, Conflict, GoOn, Passed, Span, contract, narrow, pass};
 use super::problem::Problem;
 use super::region::{Region, scales_of};
 use super::rows::{Affine, Rows};
@@ -29,6 +29,10 @@ const AS_WELL: f64 = 2.0;
 
 /// Where one window goes over to the next, what is no function of its unknowns should be less than this share.
 const LOST: f64 = 0.2;
+
+/// So many unknowns of windows are looked at together for the states where they begin: parameters, which all others told
+/// of, bound these beside their neighbours.
+const BESIDE: usize = 16;
 
 /// Samples of a record at which states are known, and these.
 pub(crate) type Junctions = BTreeMap<usize, Vec<Interval>>;
@@ -66,20 +70,21 @@ pub(crate) struct Link {
 
 impl Window {
     /// How many unknowns are its own.
-    fn own(&self) -> usize {
+    pub(crate) fn own(&self) -> usize {
         self.link.as_ref().map_or(0, |link| link.starts.axes())
     }
 }
 
 impl Problem {
     /// Goes on behind the last of `windows`, with start states of their own, to the end of its record; where they are
-    /// `known` at some samples, this is taken.
+    /// `known` at some samples, this is taken. It ends earlier where it may not go on.
     pub(crate) fn later_windows(
         &self,
         region: &Region,
         known: &Junctions,
         windows: &mut Vec<Window>,
         passes: &mut usize,
+        go_on: &GoOn<'_>,
     ) -> Result<(), (usize, Conflict)> {
         let Some(record) = windows.last().map(|window| window.record) else {
             return Ok(());
@@ -93,7 +98,7 @@ impl Problem {
             anchored(&window.passed, &part, from, known)
         });
         let mut link = first;
-        while let Some(next) = link {
+        while let Some(next) = link.filter(|_| go_on()) {
             from = next.sample;
             let fresh = next.starts.axes();
             let zeros = |count: usize| vec![0.0; count];
@@ -109,6 +114,7 @@ impl Problem {
                 from,
                 until,
                 aim: Aim::Bounds,
+                go_on,
             };
             *passes += 1;
             let wanted = known.range(from..).map(|(sample, _)| *sample).collect();
@@ -230,19 +236,12 @@ fn into(own: &(Interval, Interval), common: &(Interval, Interval)) -> (Interval,
 pub(crate) struct Joined {
     /// Of the axes of the region.
     pub(crate) rows: Rows,
-    /// By record.
-    pub(crate) junctions: Vec<Junctions>,
     /// The axes of the deepest point, where all windows were looked at together.
     pub(crate) deepest: Option<Deepest>,
 }
 
-/// What all windows say of the axes of the region in the common scales, and the states at the begins of windows, by
-/// record; windows with so many unknowns of their own are looked at together.
-pub(crate) fn joined(
-    mut windows: Vec<Window>,
-    scales: &[(Interval, Interval)],
-    together_at_most: usize,
-) -> Result<Joined, (usize, Conflict)> {
+/// Writes what windows say in the common scales of the axes of the region.
+pub(crate) fn in_common(windows: &mut [Window], scales: &[(Interval, Interval)]) {
     for position in 0..windows.len() {
         let window = &windows[position];
         let own = window.own();
@@ -259,14 +258,12 @@ pub(crate) fn joined(
             }
         }
     }
-    let axes = scales.len();
-    let mut rows = Rows::new(axes);
-    let records = windows.last().map_or(0, |window| window.record + 1);
-    let mut junctions = vec![Junctions::new(); records];
-    for window in windows.iter().filter(|window| window.link.is_none()) {
-        rows.take(&window.passed.rows, &window.kept, window.record);
-    }
-    let (mut begin, mut deep) = (0, None);
+}
+
+/// Windows in a row with at most so many unknowns of their own, and how many they have; those that have none are alone.
+fn groups(windows: &[Window], together_at_most: usize) -> Vec<(&[Window], usize)> {
+    let mut groups = Vec::new();
+    let mut begin = 0;
     while begin < windows.len() {
         let (mut end, mut fresh) = (begin, 0);
         while end < windows.len()
@@ -275,33 +272,81 @@ pub(crate) fn joined(
             fresh += windows[end].own();
             end += 1;
         }
-        if fresh > 0 {
-            let part = &windows[begin..end];
-            let (joint, left) = together(part, (fresh, axes), &mut junctions)?;
-            let told = projected(&joint, &left, fresh);
-            if part.len() == windows.len() {
-                let (point, depth) = deepest(&joint, &left);
-                deep = Some((point[fresh..].to_vec(), depth));
-            }
-            let all: Vec<usize> = (0..axes).collect();
-            let record = windows[begin].record;
-            rows.take(&told, &all, record);
-        }
+        groups.push((&windows[begin..end], fresh));
         begin = end;
+    }
+    groups
+}
+
+/// What windows in the common scales of so many axes say of these; windows with so many unknowns of their own are looked
+/// at together.
+pub(crate) fn joined(
+    windows: &[Window],
+    axes: usize,
+    together_at_most: usize,
+) -> Result<Joined, (usize, Conflict)> {
+    let mut rows = Rows::new(axes);
+    for window in windows.iter().filter(|window| window.link.is_none()) {
+        rows.take(&window.passed.rows, &window.kept, window.record);
+    }
+    let mut deep = None;
+    let every: Vec<usize> = (0..axes).collect();
+    for (part, fresh) in groups(windows, together_at_most) {
+        if fresh == 0 {
+            continue;
+        }
+        let record = part[0].record;
+        let joint = together(part, (fresh, axes)).rows;
+        let mut left = vec![Interval::symmetric(1.0); fresh + axes];
+        narrow(&joint, &mut left, fresh..fresh + axes).map_err(|conflict| (record, conflict))?;
+        if part.len() == windows.len() {
+            let (point, depth) = deepest(&joint, &left);
+            deep = Some((point[fresh..].to_vec(), depth));
+        }
+        rows.take(&projected(&joint, &left, fresh), &every, record);
     }
     Ok(Joined {
         rows,
-        junctions,
         deepest: deep,
     })
 }
 
-/// What windows say of their own unknowns and the axes, and what that leaves of them; the states where they begin are told.
-fn together(
+/// The states at the begins of windows, of which so much of the axes is `left`, by record.
+pub(crate) fn junctions(
     windows: &[Window],
-    (fresh, axes): (usize, usize),
-    junctions: &mut [Junctions],
-) -> Result<(Rows, Vec<Interval>), (usize, Conflict)> {
+    left: &[Interval],
+) -> Result<Vec<Junctions>, (usize, Conflict)> {
+    let records = windows.last().map_or(0, |window| window.record + 1);
+    let mut junctions = vec![Junctions::new(); records];
+    for (part, fresh) in groups(windows, BESIDE) {
+        if fresh == 0 {
+            continue;
+        }
+        let joint = together(part, (fresh, left.len()));
+        let mut all = vec![Interval::symmetric(1.0); fresh];
+        all.extend(left);
+        narrow(&joint.rows, &mut all, 0..fresh).map_err(|conflict| (part[0].record, conflict))?;
+        for (window, columns) in part.iter().zip(&joint.columns) {
+            let Some(link) = &window.link else { continue };
+            let own = columns[..window.own()].iter().map(|column| all[*column]);
+            let own: Vec<Interval> = own.collect();
+            let starts = link.starts.rescaled(&window.passed.scales[..window.own()]);
+            let box_ = (0..starts.centre.len()).map(|state| starts.range(state, &own));
+            junctions[window.record].insert(link.sample, box_.collect());
+        }
+    }
+    Ok(junctions)
+}
+
+/// What windows say of their own unknowns, which are first, and the axes.
+struct Together {
+    rows: Rows,
+    /// For every window the positions of its unknowns.
+    columns: Vec<Vec<usize>>,
+}
+
+/// What windows say, and that each begins where the one before leads to.
+fn together(windows: &[Window], (fresh, axes): (usize, usize)) -> Together {
     let mut rows = Rows::new(fresh + axes);
     let mut columns: Vec<Vec<usize>> = Vec::with_capacity(windows.len());
     let mut begin = 0;
@@ -328,16 +373,7 @@ fn together(
         }
     }
     rows.prune();
-    let part = contract(&rows).map_err(|conflict| (windows[0].record, conflict))?;
-    for (window, columns) in windows.iter().zip(&columns) {
-        let Some(link) = &window.link else { continue };
-        let own = columns[..window.own()].iter().map(|column| part[*column]);
-        let own: Vec<Interval> = own.collect();
-        let starts = link.starts.rescaled(&window.passed.scales[..window.own()]);
-        let box_ = (0..starts.centre.len()).map(|state| starts.range(state, &own));
-        junctions[window.record].insert(link.sample, box_.collect());
-    }
-    Ok((rows, part))
+    Together { rows, columns }
 }
 
 /// What rows say of all unknowns but the first `fresh`.
