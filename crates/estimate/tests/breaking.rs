@@ -141,11 +141,9 @@ fn the_truth_is_never_lost() {
             !matches!(found.conclusion, Conclusion::Inconsistent(_)),
             "{story}"
         );
-        for i in 0..if resets { 2 } else { 3 } {
-            assert!(
-                found.params[i].outer.contains(p[i]),
-                "{story} {i} {found:?}"
-            );
+        let fixed = p.iter().zip(&found.params).take(if resets { 2 } else { 3 });
+        for (truth, bounds) in fixed {
+            assert!(bounds.outer.contains(*truth), "{story} {truth} {bounds:?}");
         }
         if resets {
             let at = |time: &Decimal| {

@@ -628,15 +628,15 @@ mod tests {
                 for _ in 0..20 {
                     let own = [draw.next(), draw.next(), 0.0, 0.0];
                     let at = [share.middle + share.radius * own[0], own[1], 0.0, 0.0];
-                    for state in 0..2 {
+                    for (state, rest) in rest.iter().enumerate() {
                         let there = value(&monomials, &form.states[state], &own);
                         let near = value(&monomials, &joined.states[state], &at);
-                        let bound = rest[state].inflate(1e-13);
+                        let bound = rest.inflate(1e-13);
                         assert!(bound.contains(there - near), "{there} {near} {bound}");
-                        let room = (there - near - rest[state].lo())
+                        let room = (there - near - rest.lo())
                             .abs()
-                            .min((rest[state].hi() - there + near).abs());
-                        nearest = nearest.min(room / rest[state].width());
+                            .min((rest.hi() - there + near).abs());
+                        nearest = nearest.min(room / rest.width());
                         checks += 1;
                     }
                 }
