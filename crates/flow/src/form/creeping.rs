@@ -178,17 +178,16 @@ impl Journey<'_> {
             let mut field = self.field()?;
             let signs = self.signs(&field);
             let (hold, leaving) = self.leaving(&mut field, signs, &undecided)?;
-            // Nobody is behind the surface.
-            let place = (leaving.surface, leaving.way.or(Signs::ZERO));
+            // What is held watches all other surfaces it knows of; and nobody is behind this one.
+            let mut known = hold.signs.clone();
+            known[leaving.surface] = leaving.way.or(Signs::ZERO);
             let held = Acting::new(self.flow, hold, &self.form);
-            Some((place, Creep::new(&held, leaving, self.form.clone())?))
+            Some((known, Creep::new(&held, leaving, self.form.clone())?))
         };
-        let Some(((surface, known), creep)) = find() else {
+        let Some((known, creep)) = find() else {
             return;
         };
-        if let Some(signs) = self.form.signs.get_mut(surface) {
-            *signs = known;
-        }
+        self.form.signs = known;
         self.creep = Some(creep);
     }
 

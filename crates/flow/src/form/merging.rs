@@ -185,11 +185,7 @@ impl Turn {
         let mut form = middle.clone();
         form.states = all;
         form.frame = Frame::upright(deviations);
-        for slice in slices {
-            for (own, other) in form.signs.iter_mut().zip(&slice.form.signs) {
-                *own = own.or(*other);
-            }
-        }
+        form.know_no_more(slices.iter().map(|slice| slice.form));
         Some(form)
     }
 
@@ -282,12 +278,18 @@ impl Form {
             deviations.push(deviation);
         }
         form.frame = Frame::upright(deviations);
-        for (part, _) in parts {
-            for (own, other) in form.signs.iter_mut().zip(&part.signs) {
+        form.know_no_more(parts.iter().map(|(part, _)| *part));
+        Some(form)
+    }
+
+    /// Keeps of the surfaces what is true of all these forms, too; one that tells no signs knows nothing.
+    fn know_no_more<'a>(&mut self, others: impl Iterator<Item = &'a Form>) {
+        for other in others {
+            self.signs.truncate(other.signs.len());
+            for (own, other) in self.signs.iter_mut().zip(&other.signs) {
                 *own = own.or(*other);
             }
         }
-        Some(form)
     }
 }
 
@@ -402,6 +404,7 @@ fn solved(count: usize, mut matrix: Vec<f64>, mut side: Vec<f64>) -> Option<Vec<
 mod tests {
     use super::*;
     use crate::form::set::FormOptions;
+    use crate::form::surfaces::Signs;
 
     struct Draw(u64);
 
@@ -607,28 +610,33 @@ mod tests {
             let (second, middle) = part(&rest, -1.0, 0.6 * draw.next());
             let (third, last) = part(&rest, middle.hi(), 1.0);
             let whole = Share::WHOLE;
-            let parts = [
+            let mut parts = [
                 (first, whole.part(own)),
                 (bent(second, 0.5 * steep), whole.part(others).part(middle)),
                 (bent(third, steep), whole.part(others).part(last)),
             ];
+            parts[0].0.signs = vec![Signs::POSITIVE, Signs::NEGATIVE];
+            parts[1].0.signs = vec![Signs::ZERO, Signs::NEGATIVE];
+            parts[2].0.signs = vec![Signs::POSITIVE];
             let joined = base.joined(0, &parts.each_ref().map(|(form, share)| (form, *share)));
             let joined = joined.unwrap();
+            // Of what one of them does not tell nothing is known.
+            assert_eq!(joined.signs, [Signs::POSITIVE.or(Signs::ZERO)]);
             let rest = joined.frame.hull();
             for (form, share) in &parts {
                 assert!(share.off > 0.0 && share.off < 1e-14, "{share:?}");
                 for _ in 0..20 {
                     let own = [draw.next(), draw.next(), 0.0, 0.0];
                     let at = [share.middle + share.radius * own[0], own[1], 0.0, 0.0];
-                    for state in 0..2 {
+                    for (state, rest) in rest.iter().enumerate() {
                         let there = value(&monomials, &form.states[state], &own);
                         let near = value(&monomials, &joined.states[state], &at);
-                        let bound = rest[state].inflate(1e-13);
+                        let bound = rest.inflate(1e-13);
                         assert!(bound.contains(there - near), "{there} {near} {bound}");
-                        let room = (there - near - rest[state].lo())
+                        let room = (there - near - rest.lo())
                             .abs()
-                            .min((rest[state].hi() - there + near).abs());
-                        nearest = nearest.min(room / rest[state].width());
+                            .min((rest.hi() - there + near).abs());
+                        nearest = nearest.min(room / rest.width());
                         checks += 1;
                     }
                 }

@@ -244,10 +244,10 @@ impl Form {
         }
         // What stands on a level stays there to the last bit.
         let by = lost.iter().map(|x| {
-            let off = if *x > 0.0 {
-                raised(*x, parts.len())
-            } else {
+            let off = if *x == 0.0 {
                 0.0
+            } else {
+                raised(*x, parts.len())
             };
             Interval::symmetric(off)
         });
