@@ -18,6 +18,14 @@ use veribound_estimate::identify::Progress;
 use veribound_model::Model;
 use veribound_model::diagnostic::Diagnostics;
 
+/// Turned tiles: the frame of each, their coordinates, the status of each tile, and why.
+type Turned<'py> = (
+    Vec<usize>,
+    Bound<'py, PyList>,
+    Vec<&'static str>,
+    Vec<String>,
+);
+
 /// An identification that is done.
 #[pyclass(frozen, module = "veribound._veribound")]
 pub struct Found {
@@ -174,15 +182,7 @@ impl Found {
     }
 
     /// Turned tiles: the frame of each, their coordinates, each `(name, bytes, bytes)`; the status of each tile, and why.
-    fn turned<'py>(
-        &self,
-        py: Python<'py>,
-    ) -> PyResult<(
-        Vec<usize>,
-        Bound<'py, PyList>,
-        Vec<&'static str>,
-        Vec<String>,
-    )> {
+    fn turned<'py>(&self, py: Python<'py>) -> PyResult<Turned<'py>> {
         let Done { data, found, .. } = &self.done;
         let tiles = found.identified.tiles.iter();
         let tiles = tiles.filter_map(|tile| Some((tile, tile.turned.as_ref()?)));

@@ -62,6 +62,9 @@ struct Parted {
     passing: Passing,
 }
 
+/// Those that left in one stretch, and which part of the whole they are.
+type Gone = (Form, Share);
+
 impl Journey<'_> {
     /// Takes a form that rests when a stretch begins to where all its solutions have left the surface, each in a stretch of its own, as one form or
     /// as parts, if there may be so many; or divides it into those that stay and those that leave in this stretch. `None`, and nothing is
@@ -169,11 +172,7 @@ impl Journey<'_> {
 
     /// The way to the end of the stretch in which the last solutions leave, if they leave in few stretches; and there the forms of those that left in
     /// the same stretch.
-    fn all_break_away(
-        &self,
-        first: &Parted,
-        surface: usize,
-    ) -> Option<(Vec<Passing>, Vec<(Form, Share)>)> {
+    fn all_break_away(&self, first: &Parted, surface: usize) -> Option<(Vec<Passing>, Vec<Gone>)> {
         let v = first.unknown;
         let beside = |form: &Form, stretch: usize| {
             let mut form = form.clone();
