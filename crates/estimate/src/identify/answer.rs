@@ -156,7 +156,9 @@ pub struct Turned {
 /// let options = IdentifyOptions { undecided: Some(0.1), ..Default::default() };
 /// let found = identify(&model, &[record], &options, &|_| true);
 /// let truth = found.tiles.iter().find(|tile| tile.params[0].contains(1.0)).unwrap();
-/// assert_eq!(truth.status, Status::Inside);
+/// // Only needles are divided along axes of their own.
+/// let turned: Option<&Turned> = truth.turned.as_ref();
+/// assert_eq!((truth.status, turned), (Status::Inside, None));
 /// let far = found.tiles.iter().find(|tile| tile.params[0].contains(1.9)).unwrap();
 /// assert_eq!(far.status, Status::Outside);
 /// assert_ne!(far.reason, Reason::Met);

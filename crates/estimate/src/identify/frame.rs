@@ -210,7 +210,8 @@ pub(crate) fn inverse(matrix: &[&[f64]]) -> Option<Vec<Vec<Interval>>> {
             } else {
                 Interval::ZERO
             };
-            let own = (product - unit) * Interval::point(columns[i] / columns[l]);
+            let own =
+                (product - unit) * (Interval::point(columns[i]) / Interval::point(columns[l]));
             sum = (Interval::point(sum) + Interval::point(own.mag())).hi();
         }
         far = far.max(sum);
