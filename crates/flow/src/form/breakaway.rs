@@ -79,22 +79,23 @@ impl Journey<'_> {
             form,
             is_border: false,
         };
+        let options = self.form.options;
+        let released = |mut form: Form| {
+            form.options = options;
+            // What began at a point has its widths by now.
+            form.choose_order();
+            form.settle().ok().map(|()| form)
+        };
         if let Some((mut samples, gone)) = self.all_break_away(&parted, surface) {
             if gone.len() > self.may_part || self.others + gone.len() > AT_REST {
                 let all: Vec<_> = gone.iter().map(|(form, share)| (form, *share)).collect();
-                let mut form = self.form.joined(parted.unknown, &all)?;
-                form.options = self.form.options;
-                form.choose_order();
-                form.settle().ok()?;
+                let form = released(self.form.joined(parted.unknown, &all)?)?;
                 self.pass_samples(samples, form);
                 return Some(());
             }
             let mut parts = Vec::with_capacity(gone.len());
-            for (mut form, _) in gone {
-                form.options = self.form.options;
-                // What began at a point has its widths by now.
-                form.choose_order();
-                form.settle().ok()?;
+            for (form, _) in gone {
+                let form = released(form)?;
                 let mut part = self.fork(portion(form.clone()));
                 part.pass_samples(samples.clone(), form);
                 parts.push(part);

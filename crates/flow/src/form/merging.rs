@@ -403,20 +403,9 @@ fn solved(count: usize, mut matrix: Vec<f64>, mut side: Vec<f64>) -> Option<Vec<
 #[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
+    use crate::form::draw::Draw;
     use crate::form::set::FormOptions;
     use crate::form::surfaces::Signs;
-
-    struct Draw(u64);
-
-    impl Draw {
-        fn next(&mut self) -> f64 {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        }
-    }
 
     fn value(monomials: &Monomials, polynomial: &[f64], at: &[f64]) -> f64 {
         let terms = polynomial.iter().enumerate().map(|(a, x)| {

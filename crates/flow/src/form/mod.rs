@@ -72,6 +72,8 @@ mod compose;
 mod convolve;
 mod creeping;
 mod crossing;
+#[cfg(test)]
+mod draw;
 mod error;
 mod flow;
 mod frame;

@@ -334,6 +334,7 @@ fn composed(monomials: &Monomials, polynomial: &[f64], v: usize, q: &[f64]) -> (
 #[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
+    use crate::form::draw::Draw;
     use crate::form::set::FormOptions;
 
     fn value(monomials: &Monomials, polynomial: &[f64], at: [f64; 2]) -> f64 {
@@ -348,11 +349,8 @@ mod tests {
     /// replaced is true.
     #[test]
     fn other_unknowns_tell_the_same_set() {
-        let mut seed = 11_u64;
-        let mut draw = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut draws = Draw(11);
+        let mut draw = || draws.next();
         let options = FormOptions {
             degree: Some(4),
             ..FormOptions::default()

@@ -217,16 +217,14 @@ impl Ord for Part {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::form::draw::Draw;
 
     /// Random polynomials: no value at a point of a fine grid lies outside, and the ends are nearly
     /// reached.
     #[test]
     fn ranges_are_ranges() {
-        let mut seed = 5_u64;
-        let mut draw = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        };
+        let mut draws = Draw(5);
+        let mut draw = || draws.next();
         let monomials = Monomials::new(&[1, 1], 4);
         for round in 0..60 {
             let flat = f64::powi(0.5, round % 6);

@@ -181,18 +181,7 @@ fn on(coefficients: impl DoubleEndedIterator<Item = f64>, window: Interval) -> I
 #[allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 mod tests {
     use super::*;
-
-    struct Draw(u64);
-
-    impl Draw {
-        fn next(&mut self) -> f64 {
-            self.0 = self
-                .0
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1);
-            (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-        }
-    }
+    use crate::form::draw::Draw;
 
     /// Values at exact times are inside, by interval arithmetic, and bounds are about as near as interval arithmetic has them.
     #[test]
