@@ -176,6 +176,7 @@ fn a_valve_with_stiction_between_stops() {
             .map(move |w| w[i][0] - w[i][1])
             .fold(0.0, f64::max)
     };
+    for (k, w) in widths.iter().enumerate() { let r = worst(&widths[k..=k]); if r.iter().any(|r| *r > 1.02) { println!("  {k}: {r:?} {w:?}"); } }
     println!(
         "valve: {before:?} until sample {stop}, then at most {:e} m wider, at the end {:?}",
         slack(0),

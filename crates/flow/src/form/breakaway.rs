@@ -13,10 +13,11 @@
     reason = "PROOF: one entry per state, unknowns by their positions, surfaces in the order of their list"
 )]
 
+use super::creeping::Creep;
 use super::journey::Journey;
 use super::merging::Share;
 use super::outward::raised;
-use super::parting::{Portion, Undecided};
+use super::parting::{Portion, Undecided, ends};
 use super::passing::Passing;
 use super::range::range;
 use super::set::Form;
@@ -36,6 +37,9 @@ const BROAD: f64 = 1.0 / 256.0;
 
 /// The border is so much wider than what is not known of the values.
 const CLEAR: f64 = 16.0;
+
+/// Those that leave are cut in slices, each so much wider than the one nearer to the border, where they do not move alike.
+const DOUBLE: f64 = 2.0;
 
 /// Where a polynomial can be zero.
 struct Zeros {
@@ -58,8 +62,71 @@ struct Parted {
     /// Those that stay, at the begin of the stretch.
     stay: Form,
     /// Those that leave, at its end, and what happened to them on the way.
-    gone: Form,
+    gone: Leavers,
     passing: Passing,
+}
+
+/// Those that leave in one stretch.
+#[derive(Clone)]
+struct Leavers {
+    /// All of them, before.
+    all: Form,
+    /// The unknown that tells them apart.
+    unknown: usize,
+    /// The border is the last one.
+    slices: Vec<Gone>,
+    /// Where those of the border would stand.
+    creep: Option<Creep>,
+}
+
+/// Those that left in one stretch on their way, and which part of the whole they are.
+struct OnTheWay<'a> {
+    all: Form,
+    unknown: usize,
+    slices: Vec<(Journey<'a>, Share)>,
+    share: Share,
+}
+
+impl OnTheWay<'_> {
+    /// Goes on to the next sample.
+    fn go_on(&mut self, passing: &mut Passing) -> Option<()> {
+        for (journey, _) in &mut self.slices {
+            let end = journey.go_to_sample(passing)?;
+            passing.at(end);
+        }
+        // Where all of them move, the border is too thin to be seen.
+        if let [_, (border, _)] = &self.slices[..]
+            && border.creep.is_none()
+        {
+            let form = self.form()?;
+            self.slices.truncate(1);
+            let (journey, share) = &mut self.slices[0];
+            (journey.form, *share) = (form, Share::WHOLE);
+        }
+        Some(())
+    }
+
+    /// All of them.
+    fn form(&self) -> Option<Form> {
+        match &self.slices[..] {
+            [(journey, _)] => Some(journey.form.clone()),
+            slices => {
+                let slices = slices.iter().map(|(journey, share)| (&journey.form, *share));
+                joined(&self.all, self.unknown, slices)
+            }
+        }
+    }
+}
+
+/// Slices as one form.
+fn joined<'a>(
+    all: &Form,
+    unknown: usize,
+    slices: impl Iterator<Item = (&'a Form, Share)>,
+) -> Option<Form> {
+    let mut form = all.joined(unknown, &slices.collect::<Vec<_>>())?;
+    form.settle().ok()?;
+    Some(form)
 }
 
 /// Those that left in one stretch, and which part of the whole they are.
@@ -107,8 +174,12 @@ impl Journey<'_> {
         if self.may_part < 2 || self.others + 1 >= AT_REST {
             return None;
         }
-        let mut gone = self.fork(portion(parted.gone.clone()));
-        gone.pass_samples(vec![parted.passing], parted.gone);
+        let left = &parted.gone;
+        let slices = left.slices.iter().map(|(form, share)| (form, *share));
+        let mut form = joined(&left.all, left.unknown, slices)?;
+        form.options = options;
+        let mut gone = self.fork(portion(form.clone()));
+        gone.pass_samples(vec![parted.passing], form);
         self.parts = vec![self.fork(portion(parted.stay)), gone];
         Some(())
     }
@@ -125,48 +196,65 @@ impl Journey<'_> {
         } else {
             ((hi, 1.0), (-1.0, hi))
         };
-        let part = |form: &Form, (lo, hi): (f64, f64)| {
-            let mut unit = vec![Interval::symmetric(1.0); form.unknowns.len()];
-            unit[v] = Interval::new(lo, hi)?;
-            let mut form = form.clone();
-            form.narrow(&unit);
-            Some((form, unit[v]))
-        };
-        let (stay, stays) = part(whole, stays)?;
-        let (mut all, leaves) = part(whole, leaves)?;
+        let (stay, stays) = whole.between(v, stays)?;
+        let (mut all, leaves) = whole.between(v, leaves)?;
         // Fresh unknowns stay what they are.
         all.options.absorb = f64::INFINITY;
-        // The border within those that leave.
+        // The border within those that leave, and how far the others are from its end, at most.
         let (centre, radius) = leaves.mid_rad();
-        let (outer, inner) = if leaves_above {
-            let cut = (hi - centre) / radius;
-            ((cut, 1.0), (-1.0, cut))
+        let (cut, outward) = if leaves_above {
+            ((hi - centre) / radius, 1.0)
         } else {
-            let cut = (lo - centre) / radius;
-            ((-1.0, cut), (cut, 1.0))
+            ((lo - centre) / radius, -1.0)
         };
+        let (thin, wide) = (1.0 + outward * cut, 1.0 - outward * cut);
         let mut passing = Passing::new(whole.states.len());
-        let mut moved = |ends: (f64, f64), is_border: bool| {
-            let (form, place) = part(&all, ends)?;
+        let moved = |passing: &mut Passing, ends: (f64, f64), is_border: bool| {
+            let (form, place) = all.between(v, ends)?;
             let mut journey = self.beside(form);
             journey.is_border = is_border;
             if is_border {
                 journey.creep_from_rest();
             }
-            let end = journey.go_to_sample(&mut passing)?.to_vec();
+            let end = journey.go_to_sample(passing)?.to_vec();
             passing.at(&end);
-            Some((journey.form, Share::of(place)))
+            Some((journey, Share::of(place)))
         };
-        let parts = [moved(outer, false)?, moved(inner, true)?];
-        let mut gone = all.joined(v, &parts.each_ref().map(|(form, share)| (form, *share)))?;
-        gone.options = whole.options;
-        gone.settle().ok()?;
+        let mut together = passing.clone();
+        let others = moved(&mut together, (cut, outward), false);
+        // One right-hand side was certain all the way, unless boxes were asked.
+        let mut slices = match others.filter(|(journey, _)| journey.workspace.is_none()) {
+            Some(others) => {
+                passing = together;
+                vec![others]
+            }
+            // The nearer to the border, the slower they are at first: speeds of one slice compare.
+            None => {
+                let between = ends(thin, wide, Some(DOUBLE));
+                let between = between.into_iter().map(|far| cut + outward * far);
+                let edges = [cut].into_iter().chain(between).chain([outward]);
+                let edges: Vec<f64> = edges.collect();
+                let mut slices = Vec::with_capacity(edges.len());
+                for edges in edges.windows(2) {
+                    slices.push(moved(&mut passing, (edges[0], edges[1]), false)?);
+                }
+                slices
+            }
+        };
+        slices.push(moved(&mut passing, (-outward, cut), true)?);
+        let creep = slices.last_mut().and_then(|(border, _)| border.creep.take());
+        let slices = slices.into_iter().map(|(journey, share)| (journey.form, share));
         Some(Parted {
             unknown: v,
             stays,
             leaves,
             stay,
-            gone,
+            gone: Leavers {
+                slices: slices.collect(),
+                all,
+                unknown: v,
+                creep,
+            },
             passing,
         })
     }
@@ -184,13 +272,12 @@ impl Journey<'_> {
         };
         let mut resting = beside(&self.form, self.current);
         let mut share = Share::WHOLE;
-        let mut gone = Vec::new();
+        let mut gone: Vec<OnTheWay<'_>> = Vec::new();
         let mut samples = Vec::new();
         for stretch in self.current..self.until.min(self.current + MOST) {
             let mut passing = Passing::new(self.form.states.len());
-            for (journey, _) in &mut gone {
-                let end = Journey::go_to_sample(journey, &mut passing)?;
-                passing.at(end);
+            for part in &mut gone {
+                part.go_on(&mut passing)?;
             }
             let parted = match resting.regime() {
                 _ if stretch == self.current => Some(first.clone()),
@@ -204,8 +291,20 @@ impl Journey<'_> {
                 let own = &parted.passing;
                 passing.at(&own.hull);
                 passing.through(&own.tube, own.modes, own.steps);
-                let journey = beside(&parted.gone, stretch + 1);
-                gone.push((journey, share.part(parted.leaves)));
+                let left = parted.gone;
+                let slices = left.slices.iter();
+                let slices = slices.map(|(form, share)| (beside(form, stretch + 1), *share));
+                let mut slices: Vec<_> = slices.collect();
+                if let Some((border, _)) = slices.last_mut() {
+                    border.is_border = true;
+                    border.creep = left.creep;
+                }
+                gone.push(OnTheWay {
+                    all: left.all,
+                    unknown: left.unknown,
+                    slices,
+                    share: share.part(parted.leaves),
+                });
                 share = share.part(parted.stays);
                 resting = beside(&parted.stay, stretch);
             }
@@ -214,15 +313,19 @@ impl Journey<'_> {
             passing.at(end);
             if is_last {
                 samples.push(passing);
-                gone.push((resting, share));
-                let forms = gone
-                    .into_iter()
-                    .map(|(journey, share)| (journey.form, share));
-                return Some((samples, forms.collect()));
+                let mut forms = Vec::with_capacity(gone.len() + 1);
+                for part in &gone {
+                    forms.push((part.form()?, part.share));
+                }
+                forms.push((resting.form, share));
+                return Some((samples, forms));
             }
             if self.meet.is_some() {
-                let all = gone.iter().map(|(journey, share)| (&journey.form, *share));
-                let all: Vec<_> = all.chain([(&resting.form, share)]).collect();
+                let forms = gone.iter().map(OnTheWay::form);
+                let forms = forms.collect::<Option<Vec<_>>>()?;
+                let shares = gone.iter().map(|part| part.share);
+                let all = forms.iter().zip(shares).chain([(&resting.form, share)]);
+                let all: Vec<_> = all.collect();
                 passing.copy = Some((self.form.joined(v, &all)?, None));
             }
             samples.push(passing);
@@ -232,6 +335,15 @@ impl Journey<'_> {
 }
 
 impl Form {
+    /// The part in which an unknown lies between two numbers of the unit interval, and where that is.
+    fn between(&self, v: usize, (from, to): (f64, f64)) -> Option<(Form, Interval)> {
+        let mut unit = vec![Interval::symmetric(1.0); self.unknowns.len()];
+        unit[v] = Interval::new(from.min(to), from.max(to))?;
+        let mut form = self.clone();
+        form.narrow(&unit);
+        Some((form, unit[v]))
+    }
+
     /// Where along one unknown a polynomial can be zero, up to `off`, if that is at about one value of it whatever the others are.
     fn zeros_along(&self, polynomial: &[f64], off: f64) -> Option<Zeros> {
         let monomials = &*self.monomials;

@@ -87,7 +87,7 @@ pub(super) struct Creep {
     /// How far they can be from there.
     pub(super) spread: Vec<Interval>,
     /// Whether they never are farther away.
-    is_final: bool,
+    pub(super) is_final: bool,
 }
 
 impl Creep {
@@ -158,7 +158,14 @@ impl Journey<'_> {
         field.drifts.push(back);
         let held = self.flow.resolve(Some(field), &signs);
         field.drifts.pop();
-        let held = held.filter(|held| held.signs[surface] == Signs::ZERO)?;
+        let mut held = held.filter(|held| held.signs[surface] == Signs::ZERO)?;
+        // A stop bars the way only as long as nobody has left it.
+        let back = self.flow.back_from_bar(surface, &held, None)?;
+        held.watches.extend(back);
+        for (surface, _) in std::mem::take(&mut held.bars) {
+            let (rest, _) = self.flow.switching.needed_by_bar(surface, &held.signs);
+            rest.into_iter().for_each(|other| held.signs[other] = Signs::ANY);
+        }
         signs[surface] = way;
         let regime = self.flow.resolve(Some(field), &signs)?;
         let leaving = Leaving {

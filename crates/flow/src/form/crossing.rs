@@ -51,6 +51,9 @@ use veribound_model::Level;
 /// Windows are longer than they should have to be by the first share, or else by the second.
 const SPARE: [f64; 2] = [0.3, 1.5];
 
+/// Steps across may be so many times as long for how steep right-hand sides are.
+const HURRY: f64 = 4.0;
+
 impl Beyond {
     fn without_jump(regime: Regime, near: &[Interval]) -> Beyond {
         Beyond {
@@ -386,9 +389,6 @@ impl Journey<'_> {
             Reason::Kink => {
                 // The same modes go on; only the kink is on the other side.
                 let mut regime = flow.unbent(field, &signs)?;
-                if flow.switching.jump_possible(&signs) {
-                    return None;
-                }
                 flow.straighten(field, (asked.expr, asked.sign.flipped()), &mut regime);
                 Some(Beyond::without_jump(regime, near))
             }
@@ -440,6 +440,8 @@ impl Journey<'_> {
                         if held == surface && own != side)
                 });
                 regime.watches.extend(other);
+                let barred = flow.back_from_bar(surface, &acting.regime, Some(asked.expr))?;
+                regime.watches.extend(barred);
                 let same_side = |watch: &&Watch| watch.reason == asked.reason;
                 let alone = acting.regime.watches.iter().filter(same_side).count() == 1;
                 alone.then(|| Beyond::without_jump(regime, near))
@@ -854,7 +856,10 @@ impl Acting {
         seconds: f64,
     ) -> Option<Prepared> {
         let longest = Interval::point(seconds);
-        self.prepare(form, inputs, longest, 1e-3 * seconds).ok()
+        // All cross in one step, also where a step on the way would rather be shorter.
+        let mut hurried = form.clone();
+        hurried.options.steepest *= HURRY;
+        self.prepare(&hurried, inputs, longest, 1e-3 * seconds).ok()
     }
 
     /// Scaled times at which what is watched is nearly zero, as polynomial in the unknowns.

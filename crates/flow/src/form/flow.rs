@@ -9,7 +9,7 @@ use super::journey::{Journey, Meeting};
 use super::output::Output;
 use super::piece::{Piece, Shape, drift, gradient};
 use super::proved::Outputs;
-use super::regime::{Field, Regime, Switching};
+use super::regime::{Field, Regime, Switching, Watch};
 use super::run::Stretch;
 use super::set::{Form, FormOptions, Parallelotope};
 use super::step::Obstacle;
@@ -116,6 +116,7 @@ impl Flow {
                     watches: Vec::new(),
                     modes: all_modes(model),
                     signs: Vec::new(),
+                    bars: Vec::new(),
                 })
             }
             _ => None,
@@ -370,6 +371,22 @@ impl Flow {
             let states = self.layout.states;
             Arc::new(Output::compile(&mut store.graph, states, e))
         }))
+    }
+
+    /// What must be watched so that modes drive back from the side of a surface, which is held in `regime`, that a jump bars, too; but not
+    /// `known`. Nothing, where no jump does.
+    pub(super) fn back_from_bar(
+        &self,
+        surface: usize,
+        regime: &Regime,
+        known: Option<ExprId>,
+    ) -> Option<Vec<Watch>> {
+        let Some(bar) = regime.bars.iter().find(|bar| bar.0 == surface) else {
+            return Some(Vec::new());
+        };
+        let mut store = self.store.lock().unwrap_or_else(PoisonError::into_inner);
+        let graph = &mut store.graph;
+        self.switching.back_from(graph, *bar, &regime.signs, known)
     }
 
     /// The rate of change of a surface in a mode, where that governs all states that the surface depends on.

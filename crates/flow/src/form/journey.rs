@@ -529,10 +529,12 @@ impl<'a> Journey<'a> {
 
     /// One step of whatever kind is possible.
     fn step_on(&mut self) -> Result<(), Obstacle> {
-        if let Some(creep) = self.creep.take()
-            && self.creep_on(creep).is_some()
-        {
-            return Ok(());
+        if let Some(creep) = self.creep.take() {
+            // Other inputs may tell what solutions do that were left open.
+            let is_decided = !creep.is_final && self.is_at(self.current) && self.regime().is_ok();
+            if !is_decided && self.creep_on(creep).is_some() {
+                return Ok(());
+            }
         }
         if self.acting.is_none() {
             self.acting = match self.regime() {

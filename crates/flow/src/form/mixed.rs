@@ -154,6 +154,7 @@ impl Journey<'_> {
             watches: Vec::new(),
             modes: ModeSet::EMPTY,
             signs: Vec::new(),
+            bars: Vec::new(),
             has_kinks: true,
         };
         let mut acting = Acting::new(flow, regime, &self.form);

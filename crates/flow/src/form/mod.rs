@@ -91,6 +91,7 @@ mod piece;
 mod proved;
 mod range;
 mod regime;
+mod resting;
 mod run;
 mod sampled;
 mod series;

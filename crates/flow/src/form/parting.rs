@@ -77,7 +77,9 @@ impl Journey<'_> {
         {
             return None;
         }
-        let way = self.flow.switching.side_of(surface, open.mode, signs);
+        let switching = &self.flow.switching;
+        let barred = switching.barred(surface, signs).map(Signs::flipped);
+        let way = barred.or_else(|| switching.side_of(surface, open.mode, signs));
         Some(Undecided { open, way })
     }
 
@@ -139,8 +141,8 @@ impl Journey<'_> {
     }
 }
 
-/// Where to cut values between `border` and `end`.
-fn ends(border: f64, end: f64, ratio: Option<f64>) -> Vec<f64> {
+/// Where to cut values between `border` and `end`, each so many times as far as the one before; there alone without a ratio.
+pub(super) fn ends(border: f64, end: f64, ratio: Option<f64>) -> Vec<f64> {
     let mut cuts = Vec::new();
     let mut at = border;
     while at < end {

@@ -28,6 +28,7 @@ use std::ops::Range;
 
 use super::output::Output;
 use super::piece::{drift, gradient};
+use super::resting::{Idle, idle_jumps};
 use super::surfaces::{Signs, Surfaces};
 use crate::modes::ModeSet;
 use crate::system::agree_on_guards;
@@ -62,6 +63,8 @@ pub(super) struct Regime {
     pub(super) modes: ModeSet,
     /// What is known of the surfaces.
     pub(super) signs: Vec<Signs>,
+    /// Surfaces that are held, each with the side that a jump bars.
+    pub(super) bars: Vec<(usize, Signs)>,
     /// Whether there may be kinks on the set.
     pub(super) has_kinks: bool,
 }
@@ -73,11 +76,13 @@ pub(super) struct Switching {
     pub(super) surfaces: Surfaces,
     groups: Vec<Group>,
     /// The group of every state.
-    group_of: Vec<usize>,
+    pub(super) group_of: Vec<usize>,
     /// `rates[mode]` are the states it governs, each with its rate.
     pub(super) rates: Vec<Vec<(usize, ExprId)>>,
     /// What every jump sets.
     pub(super) sets: Vec<Set>,
+    /// Jumps that change nothing on some surface.
+    pub(super) idle: Vec<Idle>,
     tape: Tape,
 }
 
@@ -85,6 +90,8 @@ pub(super) struct Switching {
 struct Group {
     modes: Range<usize>,
     surfaces: Vec<usize>,
+    /// Other surfaces at which jumps may leave its states where they are.
+    stops: Vec<usize>,
 }
 
 /// What a jump sets.
@@ -169,6 +176,15 @@ pub(super) struct Velocity {
     pub(super) held: Vec<Interval>,
 }
 
+/// The surfaces that are held.
+fn held(decisions: &[Decision]) -> Vec<usize> {
+    let held = decisions.iter().filter_map(|decision| match decision {
+        Decision::Mode(_) => None,
+        Decision::Hold(hold) => Some(hold.surface),
+    });
+    held.collect()
+}
+
 /// How a group is decided.
 enum Decision {
     Mode(usize),
@@ -177,6 +193,8 @@ enum Decision {
 
 struct Hold {
     surface: usize,
+    /// The side that a jump bars: no mode is asked there.
+    bar: Option<Signs>,
     below: Vec<usize>,
     above: Vec<usize>,
     /// All that act on the surface.
@@ -199,6 +217,7 @@ impl Switching {
             .map(|jump| Set::compile(graph, layout, &jump.set));
         let sets = sets.collect();
         let surfaces = Surfaces::of(graph, model);
+        let idle = idle_jumps(graph, model, &surfaces, &rates);
         let mut group_of = vec![0; layout.states];
         let groups = model.groups.iter().enumerate().map(|(index, group)| {
             for state in &group.states {
@@ -208,9 +227,15 @@ impl Switching {
             for mode in group.modes.clone() {
                 surfaces.modes[mode].surfaces(&mut asked);
             }
+            let stops = idle.iter().filter(|idle| group.states.contains(&idle.state));
+            let mut stops: Vec<usize> = stops.map(|idle| idle.surface).collect();
+            stops.sort_unstable();
+            stops.dedup();
+            stops.retain(|surface| !asked.contains(surface));
             Group {
                 modes: group.modes.clone(),
                 surfaces: asked,
+                stops,
             }
         });
         let groups = groups.collect();
@@ -234,6 +259,7 @@ impl Switching {
             group_of,
             rates,
             sets,
+            idle,
         }
     }
 
@@ -307,7 +333,7 @@ impl Switching {
         for group in 0..self.groups.len() {
             decisions.push(self.decide(group, field, &mut signs)?);
         }
-        if self.jump_possible(&signs) {
+        if self.may_change(&held(&decisions), &signs) {
             return None;
         }
         self.assemble(graph, field, &decisions, signs)
@@ -420,7 +446,7 @@ impl Switching {
         rates.find(|rate| rate.0 == state).map(|rate| rate.1)
     }
 
-    fn possible(&self, group: usize, signs: &[Signs]) -> Vec<usize> {
+    pub(super) fn possible(&self, group: usize, signs: &[Signs]) -> Vec<usize> {
         let modes = self.groups[group].modes.clone();
         modes
             .filter(|mode| self.surfaces.modes[*mode].possible(signs))
@@ -438,19 +464,42 @@ impl Switching {
         self.possible(group, &signs)
     }
 
+    /// The surfaces that decide a group: where its modes switch, and where a jump bars the way.
+    fn deciding(&self, group: usize, signs: &[Signs]) -> Vec<usize> {
+        let Group {
+            surfaces, stops, ..
+        } = &self.groups[group];
+        let stops = stops.iter().filter(|s| self.barred(**s, signs).is_some());
+        surfaces.iter().chain(stops).copied().collect()
+    }
+
+    /// The modes on both sides of a surface, but on one that a jump bars.
+    fn sides(
+        &self,
+        group: usize,
+        signs: &[Signs],
+        (surface, bar): (usize, Option<Signs>),
+    ) -> (Vec<usize>, Vec<usize>) {
+        let side = |sign: Signs| match bar {
+            Some(bar) if bar == sign => Vec::new(),
+            _ => self.possible_with(group, signs, (surface, sign)),
+        };
+        (side(Signs::NEGATIVE), side(Signs::POSITIVE))
+    }
+
     fn decide(&self, group: usize, field: &Field, signs: &mut [Signs]) -> Option<Decision> {
         let (down, up) = (Signs::NEGATIVE, Signs::POSITIVE);
         loop {
             let possible = self.possible(group, signs);
             let first = *possible.first()?;
-            if possible
-                .iter()
-                .all(|mode| self.rates[*mode] == self.rates[first])
-            {
+            let surfaces = self.deciding(group, signs);
+            let is_barred = surfaces.iter().any(|s| self.barred(*s, signs).is_some());
+            let mut modes = possible.iter();
+            if !is_barred && modes.all(|mode| self.rates[*mode] == self.rates[first]) {
                 return Some(Decision::Mode(first));
             }
             let mut progress = false;
-            for &surface in &self.groups[group].surfaces {
+            for surface in surfaces {
                 let known = signs[surface];
                 if !known.has(Signs::ZERO) || known == Signs::ANY || !self.is_steady(surface, field)
                 {
@@ -459,8 +508,9 @@ impl Switching {
                 let side = |sign: Signs| self.possible_with(group, signs, (surface, sign));
                 let drift = |modes: &[usize]| self.common(surface, modes, group, field, signs);
                 let all = side(Signs::ZERO);
+                let bar = self.barred(surface, signs);
                 match drift(&all) {
-                    Some(way) if known.within(way.or(Signs::ZERO)) => {
+                    Some(way) if known.within(way.or(Signs::ZERO)) && bar != Some(way) => {
                         signs[surface] = way;
                         progress = true;
                         break;
@@ -468,10 +518,14 @@ impl Switching {
                     _ => {}
                 }
                 if known == Signs::ZERO {
-                    let (below, above) = (side(down), side(up));
-                    if drift(&below) == Some(up) && drift(&above) == Some(down) {
+                    let (below, above) = self.sides(group, signs, (surface, bar));
+                    let back = |modes: &[usize], from: Signs| {
+                        bar == Some(from) || drift(modes) == Some(from.flipped())
+                    };
+                    if back(&below, down) && back(&above, up) {
                         return Some(Decision::Hold(Hold {
                             surface,
+                            bar,
                             below,
                             above,
                             all,
@@ -511,8 +565,8 @@ impl Switching {
     /// rate of change.
     pub(super) fn open_drifts(&self, field: &Field, signs: &[Signs]) -> Vec<(usize, usize)> {
         let mut open = Vec::new();
-        for (index, group) in self.groups.iter().enumerate() {
-            for &surface in &group.surfaces {
+        for index in 0..self.groups.len() {
+            for surface in self.deciding(index, signs) {
                 let known = signs[surface];
                 if !known.has(Signs::ZERO) || known == Signs::ANY || !self.is_steady(surface, field)
                 {
@@ -585,7 +639,12 @@ impl Switching {
     ) -> Interval {
         let terms = field.gradients[surface].iter();
         terms.fold(Interval::ZERO, |sum, &(state, slope)| {
-            sum + slope * self.rate_in(state, chosen, field, signs)
+            let mut rate = self.rate_in(state, chosen, field, signs);
+            // Where a jump holds the state, other surfaces see it rest.
+            if self.may_rest(state, signs) && self.barred(surface, signs).is_none() {
+                rate = rate.hull(Interval::ZERO);
+            }
+            sum + slope * rate
         })
     }
 
@@ -650,8 +709,8 @@ impl Switching {
                     free[hold.surface] = Signs::ANY;
                     let now = (&hold.below, &hold.above);
                     let same = |signs: &[Signs]| {
-                        let side = |sign| self.possible_with(group, signs, (hold.surface, sign));
-                        (&side(Signs::NEGATIVE), &side(Signs::POSITIVE)) == now
+                        let sides = self.sides(group, signs, (hold.surface, hold.bar));
+                        (&sides.0, &sides.1) == now
                     };
                     let at = |signs: &[Signs]| {
                         let at = self.possible_with(group, signs, (hold.surface, Signs::ZERO));
@@ -667,15 +726,27 @@ impl Switching {
         for jump in &self.surfaces.jumps {
             jump.surfaces(&mut asked);
         }
-        let still = |signs: &[Signs]| !self.jump_possible(signs);
+        let held = held(decisions);
+        let still = |signs: &[Signs]| !self.may_change(&held, signs);
         needed.extend(self.needed(&asked, &signs, field, &still));
-        needed.sort_unstable();
-        needed.dedup();
         let mut kept = vec![Signs::ANY; signs.len()];
+        let (mut bars, mut resting) = (Vec::new(), Vec::new());
         for decision in decisions {
             if let Decision::Hold(hold) = decision {
                 kept[hold.surface] = Signs::ZERO;
+                if let Some(side) = hold.bar {
+                    let (rest, watched) = self.needed_by_bar(hold.surface, &signs);
+                    resting.extend(rest);
+                    needed.extend(watched);
+                    bars.push((hold.surface, side));
+                }
             }
+        }
+        needed.sort_unstable();
+        needed.dedup();
+        needed.retain(|surface| !resting.contains(surface));
+        for surface in resting {
+            kept[surface] = signs[surface];
         }
         for surface in needed {
             let sign = signs[surface];
@@ -701,6 +772,7 @@ impl Switching {
             modes,
             rates,
             watches,
+            bars,
             signs: kept,
             has_kinks: true,
         })
@@ -803,7 +875,11 @@ impl Switching {
 
     /// The rates on a surface that is held.
     fn slide(&self, graph: &mut Graph, hold: &Hold, rates: &mut [Option<ExprId>]) -> Option<()> {
-        let gradient = &self.surfaces.list[hold.surface].gradient;
+        let known = &self.surfaces.list[hold.surface];
+        if let (Some(_), Some(level)) = (hold.bar, known.level) {
+            rates[level.state] = None;
+        }
+        let gradient = &known.gradient;
         let open: Vec<usize> = self.rates[hold.all[0]]
             .iter()
             .map(|rate| rate.0)
@@ -856,7 +932,7 @@ impl Switching {
         };
         let all = hold.all.iter();
         let own: Vec<usize> = all.filter(|m| !beside(m) && given(m)).copied().collect();
-        if own.is_empty() {
+        if own.is_empty() || hold.bar.is_some() {
             hold.all.clone()
         } else {
             own
