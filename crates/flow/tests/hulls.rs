@@ -117,7 +117,7 @@ fn all_below(ratios: &[f64], most: f64) -> bool {
 }
 
 /// The valve of the examples under its pressure, a sample every 20 ms: it leaves the closed stop, slides, meets the open stop, sticks, and goes
-/// back. Until the first solution has met the open stop bounds are the exact hull; what rests there is held within a millimetre of 50.
+/// back, where all of them were let go at once: half of them leave as slowly as can be.
 #[test]
 fn a_valve_with_stiction_between_stops() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/valve/");
@@ -170,20 +170,13 @@ fn a_valve_with_stiction_between_stops() {
     let [.., stop, back, stuck] = ways.map(first);
     assert!(stop > 100 && back > stop && stuck < stop);
     let before = worst(&widths[..stop]);
-    let slack = |i: usize| {
-        widths
-            .iter()
-            .map(move |w| w[i][0] - w[i][1])
-            .fold(0.0, f64::max)
-    };
-    for (k, w) in widths.iter().enumerate() { let r = worst(&widths[k..=k]); if r.iter().any(|r| *r > 1.02) { println!("  {k}: {r:?} {w:?}"); } }
+    let ratios = worst(&widths);
     println!(
-        "valve: {before:?} until sample {stop}, then at most {:e} m wider, at the end {:?}",
-        slack(0),
+        "valve: {before:?} until sample {stop}, then {ratios:?}, at the end {:?}",
         worst(&widths[299..])
     );
     assert!(all_below(&before, 1.01), "{before:?}");
-    assert!(slack(0) < 1e-3, "{}", slack(0));
+    assert!(all_below(&ratios, 1.12), "{ratios:?}");
 }
 
 /// BM14 until 1.7 s, at every 50 ms.
@@ -209,7 +202,7 @@ fn a_bouncing_ball() {
     let (ratios, last) = (worst(&widths), worst(&widths[33..]));
     println!("ball: {ratios:?}, at the end {last:?}");
     assert!(
-        all_below(&ratios, 1.25) && all_below(&last, 1.01),
+        all_below(&ratios, 1.01) && all_below(&last, 1.01),
         "{ratios:?} {last:?}"
     );
 }
@@ -269,5 +262,5 @@ fn closed_forms_in_pieces() {
         (1..=8).map(|k| at(0.125 * f64::from(k))).collect()
     }));
     println!("graze: {ratios:?}");
-    assert!(all_below(&ratios, 1.2), "{ratios:?}");
+    assert!(all_below(&ratios, 1.01), "{ratios:?}");
 }

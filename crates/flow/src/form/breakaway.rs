@@ -111,7 +111,9 @@ impl OnTheWay<'_> {
         match &self.slices[..] {
             [(journey, _)] => Some(journey.form.clone()),
             slices => {
-                let slices = slices.iter().map(|(journey, share)| (&journey.form, *share));
+                let slices = slices
+                    .iter()
+                    .map(|(journey, share)| (&journey.form, *share));
                 joined(&self.all, self.unknown, slices)
             }
         }
@@ -242,8 +244,12 @@ impl Journey<'_> {
             }
         };
         slices.push(moved(&mut passing, (-outward, cut), true)?);
-        let creep = slices.last_mut().and_then(|(border, _)| border.creep.take());
-        let slices = slices.into_iter().map(|(journey, share)| (journey.form, share));
+        let creep = slices
+            .last_mut()
+            .and_then(|(border, _)| border.creep.take());
+        let slices = slices
+            .into_iter()
+            .map(|(journey, share)| (journey.form, share));
         Some(Parted {
             unknown: v,
             stays,

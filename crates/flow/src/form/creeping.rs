@@ -164,7 +164,8 @@ impl Journey<'_> {
         held.watches.extend(back);
         for (surface, _) in std::mem::take(&mut held.bars) {
             let (rest, _) = self.flow.switching.needed_by_bar(surface, &held.signs);
-            rest.into_iter().for_each(|other| held.signs[other] = Signs::ANY);
+            rest.into_iter()
+                .for_each(|other| held.signs[other] = Signs::ANY);
         }
         signs[surface] = way;
         let regime = self.flow.resolve(Some(field), &signs)?;

@@ -36,9 +36,10 @@ use super::ahead::{around, later};
 use super::creeping::{Creep, Leaving};
 use super::frame::Frame;
 use super::journey::{Acting, Arriving, Journey};
+use super::merging::Slice;
 use super::monomials::Monomials;
 use super::outward::{UNIT, raised};
-use super::parting::Undecided;
+use super::parting::{Turn, Undecided};
 use super::piece::{OnBox, Piece};
 use super::range::range;
 use super::regime::{Field, Reason, Regime, Watch};
@@ -588,6 +589,9 @@ impl Journey<'_> {
         let times = around(scaled) * Interval::point(unit);
         let (mut current, mut left, mut since) = (self.current, self.left, Interval::ZERO);
         let (mut passed, mut passing) = (Vec::new(), Vec::new());
+        // Who meets forms asks them for what is wanted.
+        let turn = self.meet.is_none().then(|| Turn::new(&self.form, scaled));
+        let turn = turn.flatten();
         let already = self.form.tube.iter().zip(&tube);
         let mut tube_now: Vec<Interval> = already.map(|(a, b)| a.hull(*b)).collect();
         while current < self.stretches.len() && (since + left).lo() < moved.hi() {
@@ -616,11 +620,32 @@ impl Journey<'_> {
                 }
                 behind = Some(place);
             }
-            let hull = |place: &Option<Place>| {
-                let place = place.as_ref();
-                place.map_or(Vec::new(), |place| place.hull(&self.form.monomials))
+            // Those that cross then or later, and those that have crossed.
+            let share = turn.as_ref().map(|turn| {
+                let scaled_time = since.inflate(apart) / Interval::point(unit);
+                let since_middle = scaled_time - Interval::point(scaled[0]);
+                // Coefficients of the new unknown add up to at most one, and are rounded.
+                let share = since_middle / Interval::point(turn.size);
+                share.inflate(2.0 * f64::EPSILON)
+            });
+            let hull = |place: &Option<Place>, is_early: bool| {
+                let Some(place) = place.as_ref() else {
+                    return Vec::new();
+                };
+                let (from, to) = match share {
+                    Some(share) if is_early => (share.lo().max(-1.0), 1.0),
+                    Some(share) => (-1.0, share.hi().min(1.0)),
+                    None => (-1.0, 1.0),
+                };
+                match (&turn, Interval::new(from, to)) {
+                    (Some(turn), Some(at)) => {
+                        let form = &place.clone().of(&self.form);
+                        turn.hull(&Slice { form, place: at })
+                    }
+                    _ => place.hull(&self.form.monomials),
+                }
             };
-            let (mut early, mut late) = (hull(&before), hull(&behind));
+            let (mut early, mut late) = (hull(&before, true), hull(&behind, false));
             self.clip(&acting.regime.signs, &mut early);
             self.clip(&signs, &mut late);
             let end: Vec<Interval> = match (early.is_empty(), late.is_empty()) {

@@ -227,7 +227,9 @@ impl Switching {
             for mode in group.modes.clone() {
                 surfaces.modes[mode].surfaces(&mut asked);
             }
-            let stops = idle.iter().filter(|idle| group.states.contains(&idle.state));
+            let stops = idle
+                .iter()
+                .filter(|idle| group.states.contains(&idle.state));
             let mut stops: Vec<usize> = stops.map(|idle| idle.surface).collect();
             stops.sort_unstable();
             stops.dedup();

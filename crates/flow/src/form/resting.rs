@@ -178,10 +178,17 @@ impl Switching {
     }
 
     /// Comparisons that a bar needs: those that rest by themselves, and those that must be watched.
-    pub(super) fn needed_by_bar(&self, surface: usize, signs: &[Signs]) -> (Vec<usize>, Vec<usize>) {
-        let bar = self.bar_at(surface, signs).and_then(|(_, idle)| idle.bar.as_ref());
+    pub(super) fn needed_by_bar(
+        &self,
+        surface: usize,
+        signs: &[Signs],
+    ) -> (Vec<usize>, Vec<usize>) {
+        let bar = self
+            .bar_at(surface, signs)
+            .and_then(|(_, idle)| idle.bar.as_ref());
         let others = bar.map_or(&[][..], |bar| &bar.others);
-        let (rest, watched): (Vec<&Other>, Vec<&Other>) = others.iter().partition(|other| other.rests);
+        let (rest, watched): (Vec<&Other>, Vec<&Other>) =
+            others.iter().partition(|other| other.rests);
         let surfaces = |list: Vec<&Other>| list.iter().map(|other| other.surface).collect();
         (surfaces(rest), surfaces(watched))
     }
@@ -240,5 +247,87 @@ impl Formula {
             Formula::All(parts) => parts.iter().try_for_each(|part| part.conjunction(into)),
             Formula::Any(_) => None,
         }
+    }
+}
+
+#[cfg(test)]
+#[allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    reason = "a test fails by panicking"
+)]
+mod tests {
+    use super::*;
+
+    /// A state `v` and its integral, by what `x` changes with, when it jumps, and to what.
+    fn found(rate: &str, when: &str, set: &str) -> Vec<Idle> {
+        let text = format!(
+            "format = 1\nstates = [\"x\", \"v\", \"w\"]\ninputs = [\"u\"]\ninit = {{ x = 0, v = 0, w = 0 }}\nparams.e = [0.1, 0.9]\n\
+             [der]\nx = \"{rate}\"\nv = \"u\"\nw = \"0\"\n[jumps]\nstop = {{ when = \"{when}\", set = {set} }}\n[outputs]\ny = \"x +- 1\"\n"
+        );
+        let model = Model::from_text("stop", &text);
+        let model = model.unwrap_or_else(|problems| panic!("{}", problems.render(false)));
+        let mut graph = model.graph.clone();
+        Switching::compile(&mut graph, &model).idle
+    }
+
+    #[test]
+    fn jumps_that_change_nothing_and_bar_the_way() {
+        let both = "x >= 1 and v > 0";
+        let at = |rests: bool| Some(vec![rests]);
+        // Whether a jump is idle, whether it bars a side, and which of the other comparisons rest.
+        let cases = [
+            ("v", both, "{ v = \"0\" }", Some(at(true))),
+            ("2*v/e", both, "{ v = \"-e*v\" }", Some(at(true))),
+            ("v^3", both, "{ v = \"0\" }", Some(at(false))),
+            (
+                "v - 0.1",
+                "x >= 1 and v > 0.1",
+                "{ v = \"0.1\" }",
+                Some(at(true)),
+            ),
+            // It does not rest, moves away, or is moved from outside.
+            ("v + w", both, "{ v = \"0\" }", Some(at(false))),
+            ("-v", both, "{ v = \"0\" }", Some(at(false))),
+            ("v", "x >= u and v > 0", "{ v = \"0\" }", Some(at(false))),
+            ("v", "x >= v and v > 0", "{ v = \"0\" }", Some(at(false))),
+            // One of two conditions, or two levels.
+            ("v", "x >= 1 or v > 0", "{ v = \"0\" }", Some(None)),
+            // Something changes.
+            ("v", both, "{ v = \"0.1\" }", None),
+            ("v", both, "{ v = \"e*v + w\" }", None),
+            ("v", both, "{ v = \"0\", w = \"1\" }", None),
+            ("v", "x >= 1 and w > 0", "{ v = \"0\" }", None),
+        ];
+        for (rate, when, set, expected) in cases {
+            let found = found(rate, when, set);
+            let bars = found.first().map(|idle| {
+                let bar = idle.bar.as_ref();
+                bar.map(|bar| bar.others.iter().map(|other| other.rests).collect())
+            });
+            assert_eq!(bars, expected, "{rate}; {when}; {set}");
+            assert!(found.len() < 2, "{rate}; {when}; {set}");
+        }
+    }
+
+    #[test]
+    fn a_side_is_barred_while_the_other_comparisons_hold() {
+        let idle = found("v", "x >= 1 and v > 0", "{ v = \"0\" }");
+        let [idle] = &idle[..] else {
+            panic!("{idle:?}");
+        };
+        let other = idle.bar.as_ref().unwrap().others[0].surface;
+        let barred = |place: Signs, level: Signs| {
+            let mut signs = vec![Signs::ANY; 2];
+            (signs[other], signs[idle.surface]) = (place, level);
+            idle.barred(&signs)
+        };
+        let (down, zero, up) = (Signs::NEGATIVE, Signs::ZERO, Signs::POSITIVE);
+        let past = Some(up);
+        assert_eq!(barred(zero, zero), past);
+        assert_eq!(barred(up.or(zero), zero), past);
+        assert_eq!(barred(down.or(zero), zero), None);
+        assert_eq!(barred(Signs::ANY, zero), None);
+        assert_eq!(barred(up, up.or(zero)), None);
     }
 }
