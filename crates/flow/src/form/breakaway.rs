@@ -5,7 +5,8 @@
 //!
 //! 1. What decides is the sign of a rate of change on the surface, a polynomial in the unknowns. Where it is zero at about one value of one
 //!    unknown, whatever the others are, that unknown tells the parts: those that stay, those that leave, and the *border* in between.
-//! 2. The border creeps (`creeping.rs`). At the end of the stretch it is so near to those that leave that both become one form.
+//! 2. The border creeps (`creeping.rs`) until the inputs of a stretch tell where it goes. It is so near to those that leave that both become one form
+//!    then. Where those that leave do not move alike, as with much damping, they go on in slices, each twice as wide as the one nearer to the border.
 //! 3. Once all have left, in a few stretches, they become one form again (`merging.rs`): what solutions have gained by leaving earlier is nearly
 //!    a function of the unknown. Where there may be so many parts they stay divided, and so they do where some rest for longer.
 #![allow(
