@@ -570,7 +570,7 @@ impl Cell {
         let whole = vec![Interval::symmetric(1.0); n];
         let matrix = information(&rows, &whole);
         let columns = eigenvectors(n, &matrix);
-        let program = Program::new(&rows, &whole, Side::Outer);
+        let mut program = Program::new(&rows, &whole, Side::Outer);
         let mut along = Vec::with_capacity(n);
         for column in &columns {
             along.push(program.bounds(column));
@@ -602,7 +602,7 @@ impl Cell {
 
     /// Proved bounds in a direction of the unknowns, with what excludes those below and above.
     pub(crate) fn along(&self, direction: &[f64]) -> (Interval, [Reason; 2]) {
-        let program = Program::new(&self.rows, &self.part, Side::Outer);
+        let mut program = Program::new(&self.rows, &self.part, Side::Outer);
         let (bounds, held) = program.bounds_because(direction);
         let because = held.map(|held| {
             let held = held.iter().filter(|(_, multiplier)| *multiplier != 0.0);
@@ -618,7 +618,7 @@ impl Cell {
         if !self.is_complete {
             return Vec::new();
         }
-        let program = Program::new(&self.rows, &self.part, Side::Inner);
+        let mut program = Program::new(&self.rows, &self.part, Side::Inner);
         let mut found: Vec<Vec<f64>> = Vec::new();
         for &quantity in quantities {
             for sign in [1.0, -1.0] {

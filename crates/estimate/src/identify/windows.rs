@@ -147,7 +147,7 @@ impl Problem {
 /// The last sample after `from` at which states are known about as well as anywhere on the way of a pass: what comes
 /// after a sample tells as much of it as what was before, so that this is seldom the last one of all.
 fn anchored(passed: &Passed, part: &[Interval], from: usize, known: &Junctions) -> Option<Link> {
-    let program = Program::new(&passed.rows, part, Side::Outer);
+    let mut program = Program::new(&passed.rows, part, Side::Outer);
     let later = passed.anchors.iter().filter(|anchor| anchor.sample > from);
     let boxes: Vec<(&Anchor, Vec<Interval>)> = later
         .map(|anchor| {
@@ -406,7 +406,7 @@ fn projected(rows: &Rows, part: &[Interval], fresh: usize) -> Rows {
         unit[v] = 1.0;
         unit
     }));
-    let program = Program::new(rows, part, Side::Outer);
+    let mut program = Program::new(rows, part, Side::Outer);
     let mut told = Rows::new(kept);
     let sample = (0..rows.len()).map(|row| rows.origin(row).0).max();
     for direction in directions {
