@@ -386,3 +386,35 @@ der = { x = "1", y = "3 + 2*sign(x)" }
         }
     }
 }
+
+/// What dry friction holds stays, wherever it is; what it may not hold does not.
+#[test]
+fn what_friction_holds_is_proved_to_stay() {
+    let text = r#"
+        format = 1
+        states = ["x", "v"]
+        inputs = ["u"]
+        init = { x = [-0.2, 0.3], v = 0 }
+        params.mu = [0.1, 0.2]
+        params.a = [-3, -1]
+        der = { x = "v", v = "a*v + u - mu*sign(v)" }
+        outputs.y = "x +- 0.1"
+    "#;
+    let model = read("friction", text);
+    let flow = Flow::new(&model);
+    let params: Vec<Interval> = model.params.iter().map(|param| param.bounds).collect();
+    let rests = |v: f64, u: Interval| {
+        let start = [model.states[0].init, Interval::point(v)];
+        let stretch = Stretch {
+            inputs: vec![u],
+            dt: Interval::point(0.5),
+        };
+        let after = flow.box_after(&start, &params, &stretch);
+        after.expect("a box").rests
+    };
+    assert!(rests(0.0, Interval::ZERO));
+    assert!(rests(0.0, interval(-0.09, 0.09)));
+    assert!(!rests(0.0, Interval::point(0.15)));
+    assert!(!rests(0.0, Interval::point(-0.3)));
+    assert!(!rests(1e-9, Interval::ZERO));
+}
