@@ -146,6 +146,7 @@ impl<'a> Program<'a> {
         let kept = kept.and_then(|basis| self.turned(basis, direction, &mut point));
         let (mut basis, mut multipliers) =
             kept.unwrap_or_else(|| self.corner(direction, &mut point));
+        let (mut shares, mut ratios) = (vec![0.0; n], Vec::with_capacity(n));
         for _ in 0..MOST_STEPS * (n + 1) {
             let mut violated = self.most_violated(&point, &basis.tight);
             if violated.is_none() && self.collect(&point) {
@@ -155,9 +156,15 @@ impl<'a> Program<'a> {
                 break;
             };
             // The entering row as a sum of those that hold the vertex.
-            let shares = self.shares(entering, &basis.inverse, n);
-            let Some((q, ratio)) = self.leaving(&mut basis.tight, &multipliers, &shares, (sign, by))
-            else {
+            self.write_shares(entering, &basis.inverse, &mut shares);
+            ratios.clear();
+            let left = self.leaving(
+                &mut basis.tight,
+                (&multipliers, &shares),
+                (sign, by),
+                &mut ratios,
+            );
+            let Some((q, ratio)) = left else {
                 let others = basis.tight.iter().zip(&shares);
                 let mut impossible: Vec<(usize, f64)> = others
                     .filter_map(|((held, _), share)| Some((self.row_of(*held)?, -sign * share)))
@@ -248,7 +255,11 @@ impl<'a> Program<'a> {
             };
             (at - self.end(*held, *sign)).abs() <= LOST * size
         };
-        basis.tight.iter().all(is_there).then_some((basis, multipliers))
+        basis
+            .tight
+            .iter()
+            .all(is_there)
+            .then_some((basis, multipliers))
     }
 
     /// Which constraint leaves the vertex for one that is violated `by` so much, and what the multiplier of that becomes; nothing
@@ -259,12 +270,11 @@ impl<'a> Program<'a> {
     fn leaving(
         &self,
         tight: &mut [(Tight, f64)],
-        multipliers: &[f64],
-        shares: &[f64],
+        (multipliers, shares): (&[f64], &[f64]),
         (sign, by): (f64, f64),
+        ratios: &mut Vec<(f64, usize)>,
     ) -> Option<(usize, f64)> {
         let largest = shares.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let mut ratios: Vec<(f64, usize)> = Vec::new();
         for (c, share) in shares.iter().enumerate() {
             // A constraint held from below has a multiplier that is not negative.
             let along = sign * share * tight[c].1;
@@ -278,7 +288,7 @@ impl<'a> Program<'a> {
             a.total_cmp(b).then(by_share).then(c.cmp(l))
         });
         let mut left = by;
-        for (ratio, c) in &ratios {
+        for (ratio, c) in ratios.iter() {
             let (held, own) = tight[*c];
             let reach = (self.end(held, -own) - self.end(held, own)).abs();
             left -= shares[*c].abs() * reach;
@@ -307,24 +317,27 @@ impl<'a> Program<'a> {
     }
 
     /// A constraint as a sum of those that hold a vertex, row by row of their inverse, as it lies in memory.
-    fn shares(&self, tight: Tight, inverse: &[f64], n: usize) -> Vec<f64> {
+    fn write_shares(&self, tight: Tight, inverse: &[f64], shares: &mut [f64]) {
+        let n = shares.len();
         match tight {
-            Tight::Unknown(v) => inverse[v * n..(v + 1) * n].to_vec(),
+            Tight::Unknown(v) => shares.copy_from_slice(&inverse[v * n..(v + 1) * n]),
             Tight::Row(position) => {
-                let mut shares = vec![0.0; n];
+                shares.fill(0.0);
                 for (v, slope) in &self.sparse[self.begins[position]..self.begins[position + 1]] {
                     let row = &inverse[v * n..(v + 1) * n];
                     let pairs = shares.iter_mut().zip(row);
                     pairs.for_each(|(share, x)| *share += slope * x);
                 }
-                shares
             }
         }
     }
 
     /// Where all these constraints hold with equality.
     fn place(&self, basis: &Basis, point: &mut [f64]) {
-        let ends = basis.tight.iter().map(|(held, sign)| self.end(*held, *sign));
+        let ends = basis
+            .tight
+            .iter()
+            .map(|(held, sign)| self.end(*held, *sign));
         let ends: Vec<f64> = ends.collect();
         for (x, row) in point.iter_mut().zip(basis.inverse.chunks_exact(ends.len())) {
             *x = row.iter().zip(&ends).map(|(m, end)| m * end).sum();
@@ -368,7 +381,8 @@ impl<'a> Program<'a> {
     fn collect(&mut self, point: &[f64]) -> bool {
         let others = (0..self.chosen.len()).filter(|position| !self.is_pooled[*position]);
         let violations = others.map(|position| (self.violation(position, point).0, position));
-        let mut violated: Vec<(f64, usize)> = violations.filter(|(by, _)| *by > TOLERANCE).collect();
+        let mut violated: Vec<(f64, usize)> =
+            violations.filter(|(by, _)| *by > TOLERANCE).collect();
         let order = |a: &(f64, usize), b: &(f64, usize)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
         if violated.len() > COLLECTED {
             violated.select_nth_unstable_by(COLLECTED, order);
@@ -680,7 +694,10 @@ mod tests {
                 let warm = program.bounds(&direction);
                 let cold = Program::new(&rows, &part, Side::Outer).bounds(&direction);
                 let near = |a: f64, b: f64| (a - b).abs() <= 1e-8;
-                assert!(near(warm.lo(), cold.lo()) && near(warm.hi(), cold.hi()), "{warm} {cold}");
+                assert!(
+                    near(warm.lo(), cold.lo()) && near(warm.hi(), cold.hi()),
+                    "{warm} {cold}"
+                );
             }
         }
     }
