@@ -57,7 +57,7 @@ pub(crate) struct Apriori {
     pub(crate) failed: [Option<AprioriFailure>; LANES],
     start: Vec<Interval8>,
     image: Vec<Interval8>,
-    candidate: Candidate,
+    pub(crate) candidate: Candidate,
 }
 
 /// Velocities and modes on a candidate box; scratch.

@@ -299,6 +299,22 @@ impl System {
         (report, ends)
     }
 
+    /// After [`System::step`] or [`System::step_apart`]: encloses the velocity of every state at almost every time of the
+    /// step at which no state jumps, from the right-hand sides on the tube; `None` where they are not bounded there.
+    pub(crate) fn velocity_in_tube(&self, workspace: &mut Workspace) -> Option<Vec<Interval>> {
+        let mut failed = [None; LANES];
+        let Workspace {
+            q,
+            apriori,
+            registers,
+            ..
+        } = workspace;
+        let candidate = &mut apriori.candidate;
+        let known = self.velocity(q, Mask::lane(0), candidate, &mut failed, registers);
+        let velocity = candidate.velocity.iter().map(|x| x.get(0));
+        known.get(0).then(|| velocity.collect())
+    }
+
     /// Moves the boxes in `lanes` over `dt` seconds. `boxes` holds the states, then the parameters.
     ///
     /// Guarantee: that of [`System::step`] for every box, the end being the new box together with its

@@ -13,7 +13,7 @@ use common::case::{Case, assert_inside, options};
 use common::models::{self, Target};
 use common::truth::Events;
 use common::{Rng, Trials, interval, number, read};
-use veribound_flow::form::{Effort, Enclosure, Flow, FormOptions, Stretch, Unknown};
+use veribound_flow::form::{Effort, Enclosure, Flow, FormOptions, Meeting, Stretch, Unknown};
 use veribound_interval::Interval;
 
 /// What was met.
@@ -109,6 +109,92 @@ fn advance(target: &Target, flow: &Flow, rng: &mut Rng, tally: &mut Tally) {
     }
 }
 
+/// Through many short stretches with the same inputs, as between samples, where the form is narrowed now and then.
+fn sampled(target: &Target, flow: &Flow, rng: &mut Rng, tally: &mut Tally) {
+    let mut case = Case::draw(target, rng);
+    let pieces: Vec<usize> = case.lengths.iter().map(|_| 1 + rng.below(12)).collect();
+    let divided = |list: &[f64]| -> Vec<f64> {
+        let pairs = list.iter().zip(&pieces);
+        pairs
+            .flat_map(|(h, count)| vec![h / *count as f64; *count])
+            .collect()
+    };
+    let stretches = case.stretches.iter().zip(&pieces);
+    case.stretches = stretches
+        .flat_map(|(stretch, count)| vec![stretch.clone(); *count])
+        .collect();
+    case.lengths = divided(&case.lengths);
+    for (stretch, h) in case.stretches.iter_mut().zip(&case.lengths) {
+        stretch.dt = Interval::point(*h);
+    }
+    let chosen = options(rng);
+    let what = format!("{} sampled with {chosen:?}", target.name);
+    let mut solutions: Vec<_> = case
+        .solutions(target, rng)
+        .into_iter()
+        .map(|(start, p, mut sim)| {
+            let mut way = vec![sim.clone()];
+            for (stretch, h) in case.stretches.iter().zip(&case.lengths) {
+                let u: Vec<f64> = stretch.inputs.iter().map(|x| rng.inside(*x)).collect();
+                sim.advance(&u, *h, rng);
+                way.push(sim.clone());
+            }
+            (start, p, way)
+        })
+        .collect();
+    for (_, _, way) in &solutions {
+        tally.events.add(way[way.len() - 1].events);
+        tally.trials.solutions += 1;
+    }
+    let own = |unknown: Unknown, start: &[f64], p: &[f64]| match unknown {
+        Unknown::Start(i) => start[i],
+        Unknown::Param(i) => p[i],
+        Unknown::Axis(_) => panic!("a box has no axes"),
+    };
+    let mut checks = 0;
+    let mut meet = |meeting: Meeting<'_>| {
+        let (k, form) = (meeting.stretch, meeting.form);
+        let hull = form.hull();
+        for (start, p, way) in &solutions {
+            let here = format!("{what}, sample {k}");
+            assert_inside(&here, &case, &way[k], &hull);
+            let affine: Vec<Interval> = (0..hull.len())
+                .map(|i| {
+                    let affine = form.state(i);
+                    let mut value = Interval::point(affine.centre) + affine.remainder;
+                    for ((unknown, range), slope) in form.unknowns().iter().zip(&affine.slopes) {
+                        let own = Interval::point(own(*unknown, start, p));
+                        let delta = own - Interval::point(range.mid());
+                        value += Interval::point(*slope) * (delta / Interval::point(range.rad()));
+                    }
+                    value
+                })
+                .collect();
+            assert_inside(&here, &case, &way[k], &affine);
+            checks += 2;
+        }
+        if !meeting.is_passing && rng.chance(0.15) {
+            let parts: Vec<Interval> = form
+                .unknowns()
+                .iter()
+                .map(|_| interval(-rng.pick(&[1.0, 1.0, 0.4]), rng.pick(&[1.0, 1.0, 0.7])))
+                .collect();
+            form.narrow(&parts);
+            let left = form.unknowns();
+            solutions.retain(|(start, p, _)| {
+                let mut left = left.iter();
+                left.all(|(unknown, range)| range.contains(own(*unknown, start, p)))
+            });
+        }
+    };
+    let form = flow.start(&case.start, &case.params, chosen);
+    match flow.follow(form, &case.stretches, &mut meet, &|_| true) {
+        Ok(()) => tally.proved += 1,
+        Err(_) => tally.given_up += 1,
+    }
+    tally.trials.checks += checks;
+}
+
 #[test]
 fn no_solution_is_lost_across_switches() {
     let mut rng = Rng(number("VERIBOUND_SEED", 7));
@@ -116,11 +202,11 @@ fn no_solution_is_lost_across_switches() {
     for target in models::ALL {
         let flow = Flow::new(&read(target.name, target.text));
         let mut tally = Tally::default();
-        for round in 0..number("VERIBOUND_ROUNDS", 8) {
-            if round % 2 == 0 {
-                enclose(target, &flow, &mut rng, &mut tally);
-            } else {
-                advance(target, &flow, &mut rng, &mut tally);
+        for round in 0..number("VERIBOUND_ROUNDS", 12) {
+            match round % 3 {
+                0 => enclose(target, &flow, &mut rng, &mut tally),
+                1 => advance(target, &flow, &mut rng, &mut tally),
+                _ => sampled(target, &flow, &mut rng, &mut tally),
             }
         }
         println!("{:12} {tally:?}", target.name);
@@ -385,4 +471,36 @@ der = { x = "1", y = "3 + 2*sign(x)" }
             }
         }
     }
+}
+
+/// What dry friction holds stays, wherever it is; what it may not hold does not.
+#[test]
+fn what_friction_holds_is_proved_to_stay() {
+    let text = r#"
+        format = 1
+        states = ["x", "v"]
+        inputs = ["u"]
+        init = { x = [-0.2, 0.3], v = 0 }
+        params.mu = [0.1, 0.2]
+        params.a = [-3, -1]
+        der = { x = "v", v = "a*v + u - mu*sign(v)" }
+        outputs.y = "x +- 0.1"
+    "#;
+    let model = read("friction", text);
+    let flow = Flow::new(&model);
+    let params: Vec<Interval> = model.params.iter().map(|param| param.bounds).collect();
+    let rests = |v: f64, u: Interval| {
+        let start = [model.states[0].init, Interval::point(v)];
+        let stretch = Stretch {
+            inputs: vec![u],
+            dt: Interval::point(0.5),
+        };
+        let after = flow.box_after(&start, &params, &stretch);
+        after.expect("a box").rests
+    };
+    assert!(rests(0.0, Interval::ZERO));
+    assert!(rests(0.0, interval(-0.09, 0.09)));
+    assert!(!rests(0.0, Interval::point(0.15)));
+    assert!(!rests(0.0, Interval::point(-0.3)));
+    assert!(!rests(1e-9, Interval::ZERO));
 }

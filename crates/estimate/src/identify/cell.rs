@@ -24,6 +24,10 @@ use veribound_interval::Interval;
 /// A round that leaves more than this share of every axis was not worth it.
 const WORTHWHILE: f64 = 0.8;
 
+/// Where one window comes to the end of each record, what is not affine hides little: another round tells little more unless
+/// no more than this share was left.
+const HALF: f64 = 0.5;
+
 /// So many unknowns of windows are looked at together at first, so many times as many each time, and so many at most.
 const FIRST: usize = 8;
 const MORE: usize = 4;
@@ -160,7 +164,9 @@ impl Problem {
                 let told = self.told(&seen, together);
                 let (mut cell, shrunk) = told.map_err(|found| clash(found, passes))?;
                 let (next, turned) = cell.smaller(may_turn);
-                let brings = shrunk <= WORTHWHILE || turned;
+                let has_ended = own == 0 && self.ends(&seen.reached);
+                let most = if has_ended { HALF } else { WORTHWHILE };
+                let brings = shrunk <= most || turned;
                 // More windows together tell more, and take longer.
                 if !brings && !is_last && together < MOST.min(own) {
                     together *= MORE;
@@ -201,6 +207,12 @@ impl Problem {
             .ok()?;
         let (cell, _) = self.told(&seen, 0).ok()?;
         Some(Cell { passes, ..cell })
+    }
+
+    /// Whether these samples are the last ones of all records.
+    pub(crate) fn ends(&self, reached: &[usize]) -> bool {
+        let mut courses = self.courses.iter().zip(reached);
+        courses.all(|(course, reached)| *reached == course.end())
     }
 
     /// Goes from a point of the region to one nearby that agrees with all records, as far as that is seen without proof:
@@ -570,7 +582,7 @@ impl Cell {
         let whole = vec![Interval::symmetric(1.0); n];
         let matrix = information(&rows, &whole);
         let columns = eigenvectors(n, &matrix);
-        let program = Program::new(&rows, &whole, Side::Outer);
+        let mut program = Program::new(&rows, &whole, Side::Outer);
         let mut along = Vec::with_capacity(n);
         for column in &columns {
             along.push(program.bounds(column));
@@ -602,7 +614,7 @@ impl Cell {
 
     /// Proved bounds in a direction of the unknowns, with what excludes those below and above.
     pub(crate) fn along(&self, direction: &[f64]) -> (Interval, [Reason; 2]) {
-        let program = Program::new(&self.rows, &self.part, Side::Outer);
+        let mut program = Program::new(&self.rows, &self.part, Side::Outer);
         let (bounds, held) = program.bounds_because(direction);
         let because = held.map(|held| {
             let held = held.iter().filter(|(_, multiplier)| *multiplier != 0.0);
@@ -618,7 +630,7 @@ impl Cell {
         if !self.is_complete {
             return Vec::new();
         }
-        let program = Program::new(&self.rows, &self.part, Side::Inner);
+        let mut program = Program::new(&self.rows, &self.part, Side::Inner);
         let mut found: Vec<Vec<f64>> = Vec::new();
         for &quantity in quantities {
             for sign in [1.0, -1.0] {

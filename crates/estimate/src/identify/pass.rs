@@ -576,9 +576,9 @@ pub(crate) fn narrow(
     part: &mut [Interval],
     unknowns: Range<usize>,
 ) -> Result<(), Conflict> {
+    let mut program = Program::new(rows, part, Side::Outer);
     for v in unknowns {
         for sign in [1.0, -1.0] {
-            let program = Program::new(rows, part, Side::Outer);
             let mut direction = vec![0.0; part.len()];
             direction[v] = sign;
             let vertex = program.minimize(&direction);
@@ -607,6 +607,7 @@ pub(crate) fn narrow(
                 return Err(Conflict::Rows { samples: samples() });
             }
             part[v] = narrowed;
+            program.narrow(v, narrowed);
         }
     }
     Ok(())

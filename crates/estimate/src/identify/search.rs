@@ -200,10 +200,7 @@ impl<'a> Search<'a> {
     }
 
     fn has_ended(&self, cell: &Cell) -> bool {
-        let courses = self.problem.courses.iter().zip(&cell.reached);
-        courses
-            .into_iter()
-            .all(|(course, reached)| *reached == course.end())
+        self.problem.ends(&cell.reached)
     }
 
     /// Nothing agrees with the records.

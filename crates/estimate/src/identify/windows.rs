@@ -147,7 +147,7 @@ impl Problem {
 /// The last sample after `from` at which states are known about as well as anywhere on the way of a pass: what comes
 /// after a sample tells as much of it as what was before, so that this is seldom the last one of all.
 fn anchored(passed: &Passed, part: &[Interval], from: usize, known: &Junctions) -> Option<Link> {
-    let program = Program::new(&passed.rows, part, Side::Outer);
+    let mut program = Program::new(&passed.rows, part, Side::Outer);
     let later = passed.anchors.iter().filter(|anchor| anchor.sample > from);
     let boxes: Vec<(&Anchor, Vec<Interval>)> = later
         .map(|anchor| {
@@ -406,7 +406,7 @@ fn projected(rows: &Rows, part: &[Interval], fresh: usize) -> Rows {
         unit[v] = 1.0;
         unit
     }));
-    let program = Program::new(rows, part, Side::Outer);
+    let mut program = Program::new(rows, part, Side::Outer);
     let mut told = Rows::new(kept);
     let sample = (0..rows.len()).map(|row| rows.origin(row).0).max();
     for direction in directions {
@@ -423,20 +423,19 @@ fn projected(rows: &Rows, part: &[Interval], fresh: usize) -> Rows {
 pub(crate) fn information(rows: &Rows, part: &[Interval]) -> Vec<f64> {
     let n = part.len();
     let mut matrix = vec![0.0; n * n];
+    let mut entries: Vec<(usize, f64)> = Vec::with_capacity(n);
     for row in 0..rows.len() {
-        let slopes = rows.slopes(row);
-        let reach: f64 = slopes
-            .iter()
-            .zip(part)
-            .map(|(g, x)| g.abs() * x.rad())
-            .sum();
+        let slopes = rows.slopes(row).iter().copied().enumerate();
+        entries.clear();
+        entries.extend(slopes.filter(|(_, g)| *g != 0.0));
+        let reach = entries.iter().map(|(v, g)| g.abs() * part[*v].rad());
         let width = rows.outer(row).rad().max(1e-30);
-        if reach < width {
+        if reach.sum::<f64>() < width {
             continue;
         }
-        for i in 0..n {
-            for l in 0..n {
-                matrix[i * n + l] += slopes[i] * slopes[l] / (width * width);
+        for (i, g) in &entries {
+            for (l, h) in &entries {
+                matrix[i * n + l] += g * h / (width * width);
             }
         }
     }

@@ -189,14 +189,14 @@ impl Runner {
         }
         let (found, here) = self.follow(problem, past, &stretches, most)?;
         let states = here.map(|strips| {
-            let program = Program::new(&self.rows, &self.part, Side::Outer);
-            let around = |strip: &Strip| {
+            let mut program = Program::new(&self.rows, &self.part, Side::Outer);
+            let mut around = |strip: &Strip| {
                 let rest = strip.remainder + Interval::point(strip.centre);
                 let reach = strip.slopes.iter().zip(&self.part);
                 let reach = reach.fold(rest, |sum, (g, x)| sum + Interval::point(*g) * *x);
                 reach.intersect(program.bounds(&strip.slopes) + rest)
             };
-            strips.iter().map(around).collect()
+            strips.iter().map(&mut around).collect()
         });
         // Rows of samples that will be met again.
         let has_moved = found.at > self.at || stretches.is_empty();
@@ -403,7 +403,7 @@ impl Runner {
 
     /// Bounds of all quantities, and where they are least and largest.
     fn ask(&mut self, problem: &Problem) {
-        let program = Program::new(&self.rows, &self.part, Side::Outer);
+        let mut program = Program::new(&self.rows, &self.part, Side::Outer);
         let states = problem.layout.states;
         let mut vertices = Vec::new();
         for quantity in 0..self.region.centre.len() {
@@ -491,7 +491,7 @@ impl Runner {
     /// States at the last sample that told something, where that is not the one it began at.
     pub(super) fn anchored(&self) -> Option<(u64, Vec<Interval>)> {
         let (sample, states) = self.anchor.as_ref()?;
-        let program = Program::new(&self.rows, &self.part, Side::Outer);
+        let mut program = Program::new(&self.rows, &self.part, Side::Outer);
         let states = states.iter();
         let box_: Vec<Interval> = states.map(|state| program.around(state)).collect();
         let is_bounded = box_.iter().all(|x| x.is_bounded());

@@ -227,7 +227,12 @@ impl Flow {
             .system
             .step(&mut states, params, inputs, dt, &mut workspace);
         moved.ok()?;
-        let both = workspace.tube().iter().zip(workspace.velocity());
+        // On the tube itself velocities are narrower than on the box that it was proved with.
+        let inside = (!self.has_jumps())
+            .then(|| self.system.velocity_in_tube(&mut workspace))
+            .flatten();
+        let inside = inside.as_deref().unwrap_or(workspace.velocity());
+        let both = workspace.tube().iter().zip(inside);
         let mut rests = both.map(|(tube, velocity)| tube.is_point() || *velocity == Interval::ZERO);
         Some(BoxAfter {
             rests: rests.all(|rests| rests),

@@ -22,6 +22,7 @@ use super::proved::{Mark, Proved};
 use super::regime::{Field, Reason, Regime};
 use super::run::Stretch;
 use super::set::Form;
+use super::several::{Ahead, Several};
 use super::step::{Arrival, End, Obstacle, Prepared, Scratch};
 use super::surfaces::Signs;
 use crate::step::Workspace;
@@ -99,7 +100,7 @@ impl Acting {
     }
 
     /// Whether it may end with the next values of the inputs.
-    fn depends_on_inputs(&self) -> bool {
+    pub(super) fn depends_on_inputs(&self) -> bool {
         !self.held.is_empty() || self.inputs.iter().any(|inputs| !inputs.is_empty())
     }
 }
@@ -212,7 +213,7 @@ pub(super) struct Journey<'a> {
     /// Forms at begins of stretches that the last crossing went over.
     pub(super) passed_by: Vec<(usize, Form, Option<Arriving>)>,
     /// Whether outputs are told, too.
-    tells_outputs: bool,
+    pub(super) tells_outputs: bool,
     pub(super) acting: Option<Acting>,
     /// A regime that acts now, for want of a better one.
     certain: Option<Acting>,
@@ -239,6 +240,10 @@ pub(super) struct Journey<'a> {
     pub(super) creep: Option<Creep>,
     /// The end of the last stretch: what stands need not be bounded again.
     pub(super) ended: Option<Ended>,
+    /// A step that was prepared for more stretches,
+    pub(super) ahead: Option<Ahead>,
+    /// and for how many the next one is.
+    pub(super) several: Several,
     pub(super) begin: Interval,
     before: Vec<Interval>,
 }
@@ -258,6 +263,8 @@ impl<'a> Journey<'a> {
             parts: Vec::new(),
             creep: None,
             ended: None,
+            ahead: None,
+            several: Several::new(),
             flow,
             stretches,
             form,
@@ -523,12 +530,19 @@ impl<'a> Journey<'a> {
             parts: Vec::new(),
             creep: None,
             ended: None,
+            ahead: None,
             ..*self
         }
     }
 
     /// One step of whatever kind is possible.
     fn step_on(&mut self) -> Result<(), Obstacle> {
+        if let Some(ahead) = self.ahead.take() {
+            match self.go_ahead(ahead) {
+                Ok(()) => return Ok(()),
+                Err(acting) => self.acting = acting,
+            }
+        }
         if let Some(creep) = self.creep.take() {
             // Other inputs may tell what solutions do that were left open.
             let is_decided = !creep.is_final && self.is_at(self.current) && self.regime().is_ok();
@@ -605,6 +619,9 @@ impl<'a> Journey<'a> {
                 self.acting = Some(acting);
                 return Ok(());
             }
+        }
+        if let Some(prepared) = self.prepare_several(&mut acting) {
+            return self.set_out(acting, prepared);
         }
         let inputs = self.inputs();
         let prepared = match acting.prepare(&self.form, inputs, self.left, self.shortest()) {
@@ -724,7 +741,7 @@ impl<'a> Journey<'a> {
     }
 
     /// Puts the form to the end of a prepared step.
-    fn arrive(
+    pub(super) fn arrive(
         &mut self,
         acting: &Acting,
         prepared: &Prepared,

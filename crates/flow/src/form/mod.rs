@@ -96,6 +96,7 @@ mod run;
 mod sampled;
 mod series;
 mod set;
+mod several;
 mod size;
 mod step;
 pub(crate) mod surfaces;

@@ -83,7 +83,7 @@ pub struct Parallelotope {
 }
 
 /// Where an unknown lies: at `middle + radius δ` with some numbers of these intervals.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Range {
     pub(super) unknown: Unknown,
     pub(super) middle: Interval,
