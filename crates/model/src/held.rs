@@ -1,7 +1,7 @@
 //! Inputs that are constant for a while, as parameters.
 
 use crate::graph::{ExprId, Var};
-use crate::model::{Guard, Model, Param};
+use crate::model::{Model, Param};
 use veribound_interval::Interval;
 
 impl Model {
@@ -21,25 +21,7 @@ impl Model {
             }
             _ => None,
         };
-        let mut move_over = |expr: &mut ExprId| *expr = graph.substitute(*expr, &replacement);
-        for mode in &mut model.modes {
-            move_guard(&mut mode.guard, &mut move_over);
-            mode.der.iter_mut().for_each(&mut move_over);
-        }
-        for jump in &mut model.jumps {
-            move_guard(&mut jump.guard, &mut move_over);
-            jump.set.iter_mut().for_each(|(_, expr)| move_over(expr));
-        }
-        move_guard(&mut model.flows, &mut move_over);
-        for output in &mut model.outputs {
-            move_over(&mut output.expr);
-        }
-        for signal in &mut model.signals {
-            signal.proves_zero.iter_mut().for_each(&mut move_over);
-        }
-        for term in &mut model.terms {
-            move_over(&mut term.expr);
-        }
+        model.each_expression(&mut |expr, _| *expr = graph.substitute(*expr, &replacement));
         let named = inputs.iter().filter_map(|input| self.inputs.get(*input));
         model.params.extend(named.map(|input| Param {
             name: input.name.clone(),
@@ -49,17 +31,5 @@ impl Model {
         }));
         model.graph = graph;
         model
-    }
-}
-
-fn move_guard(guard: &mut Guard, move_over: &mut dyn FnMut(&mut ExprId)) {
-    match guard {
-        Guard::Always => {}
-        Guard::Atom { expr, .. } => move_over(expr),
-        Guard::All(parts) | Guard::Any(parts) => {
-            parts
-                .iter_mut()
-                .for_each(|part| move_guard(part, move_over));
-        }
     }
 }

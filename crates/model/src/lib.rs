@@ -9,7 +9,9 @@ mod file;
 pub mod graph;
 mod held;
 pub mod model;
+mod ratios;
 mod regular;
+mod rewrite;
 pub mod series;
 mod syntax;
 pub mod tape;
@@ -23,6 +25,7 @@ pub use model::{
     Coverage, ErrorBound, Guard, Hold, Input, Jump, Mode, ModeGroup, Model, Outliers, Output,
     Param, Relation, Reset, Sample, Signal, State, Term,
 };
+pub use ratios::Ratio;
 pub use regular::Regular;
 pub use series::{Coefficients, SeriesTape};
 pub use tape::{Layout, Tape};

@@ -14,6 +14,7 @@ use super::problem::Problem;
 use super::region::{Region, scales_of};
 use super::rows::{Affine, Rows};
 use super::simplex::{Deepest, Program, Side, deepest};
+use super::told::Told;
 use super::windows::{
     Joined, Junctions, Window, common, in_common, information, joined, junctions, widths,
 };
@@ -249,13 +250,16 @@ impl Problem {
         &self,
         region: &Region,
         point: &[f64],
-        (quantity, is_upper): (usize, bool),
+        (told, is_upper): (Told, bool),
         least: f64,
         go_on: &GoOn<'_>,
     ) -> Option<Vec<f64>> {
         let sign = if is_upper { -1.0 } else { 1.0 };
-        let direction: Vec<f64> = region.axes[quantity].iter().map(|x| sign * x).collect();
-        let height = |at: &[f64]| -> f64 { direction.iter().zip(at).map(|(d, x)| d * x).sum() };
+        let downward = |at: &[f64]| -> Vec<f64> {
+            let direction = told.direction(region, at).into_iter();
+            direction.map(|x| sign * x).collect()
+        };
+        let height = |at: &[f64]| sign * told.height(region, at);
         let mut best = point.to_vec();
         let mut at = point.to_vec();
         let (mut trust, mut farthest) = (TRUST, FARTHEST);
@@ -263,6 +267,7 @@ impl Problem {
         for _ in 0..CLIMBS {
             let (mut step, mut is_near);
             let mut next: Vec<f64>;
+            let direction = downward(&at);
             // What is far away is reached by a longer step, as far as rows let it go.
             loop {
                 step = highest(&rows, trust, &direction);
@@ -327,9 +332,7 @@ impl Problem {
             }
             all.take(&passed.rows, &kept, record);
         }
-        for (i, believed) in self.believed().iter().enumerate() {
-            all.push(&region.axes[i], region.offset(i), *believed, BELIEVED, 0);
-        }
+        self.believe(&region, true, &mut all);
         let steps = (Interval::ZERO, Interval::point(1.0 / TINY));
         all.rescale(&vec![steps; region.axes()]);
         Some((depth_of(&all), all))
@@ -415,14 +418,7 @@ impl Problem {
             mut rows,
             deepest: deep,
         } = joined(&seen.windows, region.axes(), together)?;
-        for (i, believed) in self.believed().iter().enumerate() {
-            // What does not depend on the unknowns may be any of its values, of which one that is believed is enough.
-            let is_fixed = region.axes[i].iter().all(|x| *x == 0.0);
-            if is_fixed && region.offset(i).intersects(*believed) {
-                continue;
-            }
-            rows.push(&region.axes[i], region.offset(i), *believed, BELIEVED, 0);
-        }
+        self.believe(region, false, &mut rows);
         rows.prune();
         let part = contract(&rows).map_err(|conflict| (0, conflict))?;
         let shrunk = seen
@@ -625,25 +621,30 @@ impl Cell {
         (bounds, because)
     }
 
-    /// Unknowns that are proved to agree with all records, about where each of the quantities is least and largest.
-    pub(crate) fn points(&self, quantities: &[usize]) -> Vec<Vec<f64>> {
+    /// Unknowns that are proved to agree with all records, about where each of these is least and largest.
+    pub(crate) fn points(&self, told: &[Told]) -> Vec<Vec<f64>> {
         if !self.is_complete {
             return Vec::new();
         }
         let mut program = Program::new(&self.rows, &self.part, Side::Inner);
         let mut found: Vec<Vec<f64>> = Vec::new();
-        for &quantity in quantities {
+        let middle: Vec<f64> = self.part.iter().map(|x| x.mid()).collect();
+        for &told in told {
             for sign in [1.0, -1.0] {
-                let row = self.region.axes[quantity].iter();
-                let direction: Vec<f64> = row.map(|x| sign * x).collect();
-                if direction.iter().all(|x| *x == 0.0) && !found.is_empty() {
-                    continue;
+                let mut at = middle.clone();
+                for _ in 0..told.programs() {
+                    let direction = told.direction(&self.region, &at);
+                    let direction: Vec<f64> = direction.iter().map(|x| sign * x).collect();
+                    if direction.iter().all(|x| *x == 0.0) && !found.is_empty() {
+                        break;
+                    }
+                    let vertex = program.minimize(&direction);
+                    if vertex.is_impossible {
+                        return Vec::new();
+                    }
+                    at = vertex.point;
                 }
-                let vertex = program.minimize(&direction);
-                if vertex.is_impossible {
-                    return Vec::new();
-                }
-                found.push(vertex.point);
+                found.push(at);
             }
         }
         let n = self.part.len();

@@ -18,7 +18,7 @@ use veribound_model::{Model, Sample};
 /// Samples between two questions whether to go on.
 const ASKS: usize = 256;
 
-/// Narrows the parameters of `box_`, all quantities of the problem, by observers over the records.
+/// Narrows the user's parameters in `box_`, which is of all that the problem tells, by observers over the records.
 ///
 /// Guarantee: no parameters that agree with all records are lost, nor values after resets; a clash proves that there are
 /// none.
@@ -31,11 +31,12 @@ pub(crate) fn narrow(
 ) -> Result<(), Clash> {
     for (record, samples) in records.iter().enumerate() {
         let mut observer = Observer::new(model, ObserverOptions::default());
-        let known = box_[problem.params()].to_vec();
+        let params = problem.told_params();
+        let known = params.iter().map(|at| box_[*at]).collect();
         observer.start_from(&[known]);
         let course = &problem.courses[record];
         // Positions of the parameter and of the quantity, and the samples at which it has this value.
-        let first = problem.params().enumerate();
+        let first = params.into_iter().enumerate();
         let first = first.map(|(param, quantity)| (param, quantity, 0..course.first_reset(param)));
         let later = problem.after_resets(record);
         let later = later.map(|(later, quantity)| (later.param, quantity, later.from..later.until));

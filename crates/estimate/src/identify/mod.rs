@@ -15,6 +15,7 @@ pub(crate) mod region;
 pub(crate) mod rows;
 mod search;
 pub(crate) mod simplex;
+mod told;
 mod windows;
 
 pub use answer::{
@@ -80,7 +81,12 @@ pub fn resume(
             }
         }
         let tiles = match options.undecided {
-            Some(share) => search.pave(tiles, share, &keep),
+            Some(share) if problem.is_upright() => search.pave(&problem, tiles, share, &keep),
+            // Tiles are boxes of the user's parameters.
+            Some(share) => {
+                let upright = Problem::upright(model, records);
+                search.pave(&upright, tiles, share, &keep)
+            }
             None => Paved::default(),
         };
         let mut found = search.answer(tiles);
@@ -189,14 +195,14 @@ fn scaled(sample: &Sample, times: f64) -> Sample {
 /// Divides the prior, after the observer where it is too wide for forms.
 fn searched(search: &mut Search<'_>, (model, records): (&Model, &[Vec<Sample>]), keep: &Keep<'_>) {
     let problem = search.problem();
-    let mut believed = problem.believed();
-    if search.reaches(&believed, keep) {
+    if search.reaches(keep) {
         search.run(None, keep);
         return;
     }
+    let mut told = problem.told_before();
     let alive = || keep.goes_on(&search.progress());
-    match gross::narrow(problem, model, records, &mut believed, &alive) {
-        Ok(()) => search.run(Some(Region::of_box(&believed)), keep),
+    match gross::narrow(problem, model, records, &mut told, &alive) {
+        Ok(()) => search.run(Some(Region::of_box(&problem.around(&told))), keep),
         Err(clash) => search.refute(clash),
     }
 }

@@ -13,7 +13,7 @@ use super::region::Region;
 use crate::signals::Signals;
 use veribound_flow::form::{Flow, Output, Stretch};
 use veribound_interval::{Decimal, Interval};
-use veribound_model::{Layout, Model, Outliers, Sample, Var};
+use veribound_model::{Layout, Model, Outliers, Ratio, Sample, Var};
 
 /// What a sample tells.
 #[derive(Debug, Clone)]
@@ -253,6 +253,10 @@ pub(crate) struct Problem {
     pub(crate) prior: Vec<Interval>,
     /// Measurement errors may be so many times as large as the model says: one quantity more.
     pub(crate) factor: Option<Interval>,
+    /// What parameters of the user's model are in those of this one, where they are not the same.
+    pub(crate) ratios: Vec<Option<Ratio>>,
+    /// The user's bounds of these.
+    pub(crate) user: Vec<Interval>,
 }
 
 /// Quantities of a region are in this order: the start states of every record, the values after resets of every
@@ -301,11 +305,12 @@ impl Problem {
         first..first + self.layout.params
     }
 
-    /// The values of parameters, after resets too, that last longer than a stretch of some record.
+    /// What of [`Problem::told_quantities`] are the values of parameters, after resets too, that last longer than a stretch of some
+    /// record.
     pub(crate) fn lasting(&self) -> Vec<usize> {
         let records = 0..self.courses.len();
         let after = records.flat_map(|record| self.after_resets(record).map(|(_, at)| at));
-        let first = self.params().enumerate();
+        let first = self.told_params().into_iter().enumerate();
         let first = first.filter(|(param, _)| {
             let mut courses = self.courses.iter();
             courses.any(|course| course.first_reset(*param) > 1 || course.end() < 1)
@@ -331,8 +336,18 @@ impl Problem {
 }
 
 impl Problem {
-    /// A model with records, the samples of each in order of time.
+    /// A model with records, the samples of each in order of time. Its parameters are those in which it bends least.
     pub(crate) fn of(model: &Model, records: &[Vec<Sample>]) -> Problem {
+        let (new, ratios) = model.with_ratios();
+        Problem {
+            ratios,
+            user: model.params.iter().map(|param| param.bounds).collect(),
+            ..Problem::upright(&new, records)
+        }
+    }
+
+    /// The same with the parameters of the model.
+    pub(crate) fn upright(model: &Model, records: &[Vec<Sample>]) -> Problem {
         let mut problem = Problem::new(model, Held::of(model, records));
         for samples in records {
             problem.add(model, samples);
@@ -372,6 +387,8 @@ impl Problem {
             courses: Vec::new(),
             prior: model.params.iter().map(|param| param.bounds).collect(),
             factor: None,
+            ratios: vec![None; model.params.len()],
+            user: model.params.iter().map(|param| param.bounds).collect(),
         }
     }
 

@@ -14,6 +14,7 @@ use super::pave::{self, Paved, Paving};
 use super::problem::Problem;
 use super::region::Region;
 use super::rows::SEVERAL;
+use super::told::Told;
 use super::windows::Junctions;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -130,9 +131,11 @@ struct State {
 pub(crate) struct Search<'a> {
     problem: &'a Problem,
     options: &'a IdentifyOptions,
-    /// The quantities that bounds are wanted of.
+    /// Everything that bounds are told of.
+    told: Vec<Told>,
+    /// Positions there of what bounds are wanted of,
     wanted: Vec<usize>,
-    /// What is believed of every quantity before any sample.
+    /// and what of everything is believed before any sample.
     believed: Vec<Interval>,
     state: State,
     interrupted: bool,
@@ -148,7 +151,7 @@ enum Outcome {
 
 impl<'a> Search<'a> {
     pub(crate) fn new(problem: &'a Problem, options: &'a IdentifyOptions) -> Search<'a> {
-        let believed = problem.believed();
+        let believed = problem.told_before();
         let wanted = match problem.factor_position() {
             Some(factor) => vec![factor],
             None => problem.lasting(),
@@ -169,6 +172,7 @@ impl<'a> Search<'a> {
         Search {
             problem,
             options,
+            told: problem.told_quantities(),
             wanted,
             believed,
             state,
@@ -186,8 +190,9 @@ impl<'a> Search<'a> {
     }
 
     /// Looks at the whole box; it is kept, and all there is, if it is excluded or comes to the end of every record.
-    pub(crate) fn reaches(&mut self, quantities: &[Interval], keep: &Keep<'_>) -> bool {
-        let job = Job::Divide(Region::of_box(quantities), Vec::new(), quantities.to_vec());
+    pub(crate) fn reaches(&mut self, keep: &Keep<'_>) -> bool {
+        let region = Region::of_box(&self.problem.around(&self.believed));
+        let job = Job::Divide(region, Vec::new(), self.believed.clone());
         let outcome = self.look_at(&job, &|| keep.goes_on(&self.progress()));
         let is_kept = match &outcome {
             Outcome::Left(leaf) => self.has_ended(&leaf.cell),
@@ -209,17 +214,18 @@ impl<'a> Search<'a> {
     }
 
     fn look_at(&self, job: &Job, go_on: &GoOn<'_>) -> Outcome {
+        let wanted: Vec<Told> = self.wanted.iter().map(|at| self.told[*at]).collect();
         let probed = match job {
             Job::Divide(region, known, within) => {
                 let problem = self.problem;
                 return match problem.refine(region.clone(), known.clone(), true, go_on) {
                     Ok(cell) => {
                         // Regions may reach out of what they are parts of a little, and more where it ends early.
-                        let within = within.iter().enumerate();
-                        let outer = within.map(|(i, x)| cell.outer(i).intersect(*x));
+                        let pairs = self.told.iter().zip(within);
+                        let outer = pairs.map(|(told, x)| cell.bounds(*told).intersect(*x));
                         Outcome::Left(Box::new(Leaf {
                             outer: outer.collect(),
-                            points: cell.points(&self.wanted),
+                            points: cell.points(&wanted),
                             cell,
                             is_atom: false,
                         }))
@@ -231,7 +237,7 @@ impl<'a> Search<'a> {
                 let best = self.state.best[*param][*side].as_ref();
                 best.and_then(|best| {
                     let problem = self.problem;
-                    let goal = (self.wanted[*param], *side == 1);
+                    let goal = (wanted[*param], *side == 1);
                     let least = WORTH * missing;
                     let end = problem.climb(&best.region, &best.point, goal, least, go_on)?;
                     let reaches = vec![best.reach; end.len()];
@@ -245,7 +251,7 @@ impl<'a> Search<'a> {
                     Some(fitted) => (0..TRIES).find_map(|nearer| {
                         let reaches = cell.reaches(reach * NEARER.powi(nearer));
                         let probed = self.problem.probe(&cell.region, &fitted, &reaches, go_on);
-                        probed.filter(|probed| !probed.points(&self.wanted).is_empty())
+                        probed.filter(|probed| !probed.points(&wanted).is_empty())
                     }),
                     None => {
                         let reaches = cell.reaches(*reach);
@@ -256,7 +262,7 @@ impl<'a> Search<'a> {
         };
         let points = probed
             .as_ref()
-            .map_or(Vec::new(), |cell| cell.points(&self.wanted));
+            .map_or(Vec::new(), |cell| cell.points(&wanted));
         Outcome::Proved(probed.map(Box::new), points)
     }
 
@@ -322,9 +328,8 @@ impl<'a> Search<'a> {
     /// Takes in a proved point of a cell that was made by looking so far around another one, as share of a region.
     fn learn(&mut self, cell: &Cell, point: &[f64], looked: f64) {
         let at: Vec<Interval> = point.iter().map(|x| Interval::point(*x)).collect();
-        let box_: Vec<Interval> = (0..self.believed.len())
-            .map(|i| cell.region.range(i, &at))
-            .collect();
+        let told = self.told.iter();
+        let box_: Vec<Interval> = told.map(|told| told.range(&cell.region, &at)).collect();
         let mut is_new = self.state.points.is_empty();
         for (inner, x) in self.state.inner.iter_mut().zip(&box_) {
             // The point is somewhere in x: only what is between all of it counts.
@@ -608,14 +613,15 @@ impl<'a> Search<'a> {
         jobs
     }
 
-    /// Paves the prior, so that undecided tiles are at most this share of the volume that is not excluded.
+    /// Paves the prior of the problem, whose parameters are the user's, so that undecided tiles are at most this share of the volume that is not excluded.
     pub(crate) fn pave(
         &mut self,
+        problem: &Problem,
         begun: Option<pave::State>,
         share: f64,
         keep: &Keep<'_>,
     ) -> Paved {
-        let mut paving = Paving::new(self.problem, begun, share);
+        let mut paving = Paving::new(problem, begun, share);
         let sets = self.options.sets.saturating_mul(TILES_PER_SET);
         let limits = (sets, self.options.memory);
         let save = |state: &pave::State| (keep.save)(&|| self.saved(Some(state)));
@@ -639,15 +645,15 @@ impl<'a> Search<'a> {
     pub(crate) fn read(&mut self, saved: &[u8]) -> Result<Option<pave::State>, Unreadable> {
         let read: Result<(State, Option<pave::State>), _> = postcard::from_bytes(saved);
         let (state, tiles) = read.map_err(|_| Unreadable)?;
-        let quantities = self.believed.len();
+        let (told, quantities) = (self.told.len(), self.problem.params().end);
         let (lengths, records) = (
             (quantities, self.problem.layout.states),
             self.problem.courses.len(),
         );
-        let fits = |leaf: &Leaf| leaf.outer.len() == quantities && leaf.cell.fits(lengths, records);
-        let is_own = state.inner.len() == quantities
+        let fits = |leaf: &Leaf| leaf.outer.len() == told && leaf.cell.fits(lengths, records);
+        let is_own = state.inner.len() == told
             && state.best.len() == self.wanted.len()
-            && state.points.iter().all(|point| point.len() == quantities)
+            && state.points.iter().all(|point| point.len() == told)
             && state
                 .best
                 .iter()
@@ -716,16 +722,17 @@ impl<'a> Search<'a> {
         let least =
             |a: &&Vec<Interval>, b: &&Vec<Interval>| a[factor].hi().total_cmp(&b[factor].hi());
         let best = self.state.points.iter().min_by(least);
-        let params = self.problem.params();
+        let params = self.problem.told_params();
+        let params_of = |point: &[Interval]| params.iter().map(|at| point[*at]).collect();
         (
             below,
-            best.map(|point| (point[factor].hi(), point[params].to_vec())),
+            best.map(|point| (point[factor].hi(), params_of(point))),
         )
     }
 
     /// What was proved.
     pub(crate) fn answer(self, paved: Paved) -> Identified {
-        let params = self.problem.params();
+        let params = self.problem.told_params();
         let conclusion = if self.state.leaves.is_empty() {
             self.refuted()
         } else if self.state.points.is_empty() {
@@ -739,7 +746,7 @@ impl<'a> Search<'a> {
             .leaves
             .iter()
             .all(|leaf| self.has_ended(&leaf.cell));
-        let limits = params.clone().map(|quantity| {
+        let limits = params.iter().map(|&quantity| {
             let is_tight = gaps
                 .iter()
                 .filter(|gap| gap.1 == quantity)
@@ -757,7 +764,7 @@ impl<'a> Search<'a> {
         Identified {
             conclusion,
             limits: limits.collect(),
-            params: self.bounds(params.clone()),
+            params: self.bounds(params.iter().copied()),
             resets: (0..self.problem.courses.len())
                 .map(|record| self.resets(record))
                 .collect(),
@@ -768,7 +775,7 @@ impl<'a> Search<'a> {
                 .state
                 .points
                 .iter()
-                .map(|point| point[params.clone()].to_vec())
+                .map(|point| params.iter().map(|at| point[*at]).collect())
                 .collect(),
             tiles: paved.tiles,
             frames: paved.frames,
