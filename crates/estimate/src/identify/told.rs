@@ -218,7 +218,7 @@ impl Cell {
 
     /// A proved lower bound of a quotient, or with the sign `-1` of its negative.
     fn end_of_quotient(&self, (over, under): (usize, usize), below: Interval, sign: f64) -> f64 {
-        let program = Program::new(&self.rows, &self.part, Side::Outer);
+        let mut program = Program::new(&self.rows, &self.part, Side::Outer);
         let told = Told::Quotient {
             over: Some(over),
             under,
