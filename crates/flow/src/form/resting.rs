@@ -4,8 +4,8 @@
 //! it may happen or not: nothing changes.
 //!
 //! *Lemma (bars).* Let a jump be idle on `g = 0`, with a condition that is a conjunction: of `g > 0`, say, and of other comparisons, each
-//! of which holds, border included, and either strictly, or it rests while `g = 0` and moves to where it holds where
-//! `g > 0`. As long as those that hold strictly do, no solution goes from `g = 0` to `g > 0`.
+//! of which holds, border included, and either strictly, or it depends on states alone that no jump sets, rests while `g = 0`, and moves to
+//! where it holds where `g > 0`. As long as those that hold strictly do, no solution goes from `g = 0` to `g > 0`.
 //!
 //! *Proof.* Let a solution have `g > 0` at some time, and look at the last time before at which `g = 0`, or at the last jump if that was later: after
 //! an idle one `g = 0`, too. Since then it flows with `g > 0`, so that every comparison holds strictly. Strictly inside of a jump's region
@@ -117,11 +117,11 @@ fn bar(
         }
         let mut slopes = Vec::with_capacity(known.gradient.len());
         for &(state, _) in &known.gradient {
+            // What a jump sets may rest itself, and then it does not follow its rate.
+            let flows = state != level.state && !model.jumps_in(state);
             let mut own = rates.iter().flatten().filter(|rate| rate.0 == state);
             match own.next() {
-                Some(first) if state != level.state && own.all(|rate| rate == first) => {
-                    slopes.push(*first);
-                }
+                Some(first) if flows && own.all(|rate| rate == first) => slopes.push(*first),
                 _ => return false,
             }
         }
@@ -291,6 +291,13 @@ mod tests {
             ("-v", both, "{ v = \"0\" }", Some(at(false))),
             ("v", "x >= u and v > 0", "{ v = \"0\" }", Some(at(false))),
             ("v", "x >= v and v > 0", "{ v = \"0\" }", Some(at(false))),
+            // What another jump sets may be kept from moving.
+            (
+                "v",
+                both,
+                "{ v = \"0\" } }\ncap = { when = \"x > 1\", set = { w = \"0\", x = \"1\" }",
+                Some(at(false)),
+            ),
             // One of two conditions, or two levels.
             ("v", "x >= 1 or v > 0", "{ v = \"0\" }", Some(None)),
             // Something changes.
