@@ -23,6 +23,8 @@ struct Case {
     start: Vec<Interval>,
     params: Vec<Interval>,
     stretches: Vec<(f64, f64)>,
+    /// A parameter in the middle of which outcomes part.
+    parting: Option<usize>,
 }
 
 impl Case {
@@ -50,11 +52,17 @@ impl Case {
         let found = flow.enclose(&self.start, &self.params, &stretches, options, effort);
         for _ in 0..12 {
             let x: Vec<f64> = self.start.iter().map(|x| rng.inside(*x)).collect();
-            let p: Vec<f64> = self.params.iter().map(|p| rng.inside(*p)).collect();
+            let mut p: Vec<f64> = self.params.iter().map(|p| rng.inside(*p)).collect();
+            if let Some(param) = self.parting.filter(|_| rng.chance(0.5)) {
+                let (middle, radius) = self.params[param].mid_rad();
+                let near = rng.pick(&[1e-3, 1e-4, 1e-5, 1e-6, 1e-8]);
+                p[param] = middle + near * radius * rng.between(-1.0, 1.0);
+            }
             let mut state = [x[0], x[1]];
             let ends = found.ends.iter().zip(&found.tubes);
             for (k, ((dt, u), (end, tube))) in self.stretches.iter().zip(ends).enumerate() {
-                for share in [0.31, 0.69] {
+                // Also just after the inputs changed.
+                for share in [0.0003, 0.31, 0.6897] {
                     advance(&p, &mut state, *u, share * dt);
                     for (i, set) in tube.iter().enumerate() {
                         assert!(
@@ -75,7 +83,7 @@ impl Case {
                         self.stretches
                     );
                 }
-                trials.checks += 3;
+                trials.checks += 4;
             }
             trials.solutions += 1;
         }
@@ -117,10 +125,18 @@ fn valves_rest_on_their_stops() {
             for (_, level) in &mut stretches {
                 *level = 0.5 * (2.0 * *level).round();
             }
+            // Pushed to the stop, pulled so that half of the set just leaves, and pushed or pulled on.
+            if rng.chance(0.6) {
+                let next = rng.pick(&[8.0, 9.5, 3.0, 3.5, 4.0]);
+                for (level, count) in [(10.0, 120), (3.5, 1 + rng.below(8)), (next, 10)] {
+                    stretches.extend(vec![(0.02, level); count]);
+                }
+            }
         }
         let case = Case {
             start: vec![around(place), Interval::ZERO],
             params: vec![around(c), around(friction)],
+            parting: (friction == 1.5).then_some(1),
             stretches,
         };
         let mut rested = false;
@@ -164,6 +180,7 @@ fn a_mass_rests_on_the_floor() {
             start: vec![interval(height, height * (1.0 + width)), Interval::ZERO],
             params: vec![interval(g, g * (1.0 + width))],
             stretches: levels(&mut rng, 0.05, (g - 8.0, g + 4.0)),
+            parting: None,
         };
         let mut advance = |p: &[f64], state: &mut [f64; 2], u: f64, dt: f64| {
             let (a, mut rest) = (u - p[0], dt);
