@@ -166,7 +166,12 @@ impl Problem {
                 let (mut cell, shrunk) = told.map_err(|found| clash(found, passes))?;
                 let (next, turned) = cell.smaller(may_turn);
                 let has_ended = own == 0 && self.ends(&seen.reached);
-                let most = if has_ended { HALF } else { WORTHWHILE };
+                // The rows of a tile, which does not turn, decide many others.
+                let most = if has_ended && may_turn {
+                    HALF
+                } else {
+                    WORTHWHILE
+                };
                 let brings = shrunk <= most || turned;
                 // More windows together tell more, and take longer.
                 if !brings && !is_last && together < MOST.min(own) {
