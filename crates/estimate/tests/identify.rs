@@ -394,6 +394,62 @@ fn the_truth_of_motors_is_never_lost() {
     assert!(3 * narrowed >= rounds as usize, "{narrowed}");
 }
 
+/// The same motors by their mass, which is a divisor, and their viscous friction: sets are of the inverse and the ratio,
+/// and what is told is not.
+#[test]
+fn the_truth_of_masses_is_never_lost() {
+    let text = MOTOR
+        .replace("alpha = [-6, -0.05]", "M = [0.002, 0.03]")
+        .replace("beta = [1, 400]", "d = [0, 0.1]")
+        .replace("T = [0, 0.3]", "c = [0, 0.3]")
+        .replace(
+            "alpha*v + beta*(u - friction(v, u, T))",
+            "(u - d*v - friction(v, u, c))/M",
+        );
+    let model = read("mass", &text);
+    let mut rng = Rng(number("VERIBOUND_SEED", 23));
+    let (mut narrowed, mut proved, rounds) = (0, 0, number("VERIBOUND_ROUNDS", 3));
+    for _ in 0..rounds {
+        let motor = Motor {
+            alpha: rng.between(-4.0, -0.5),
+            beta: rng.between(50.0, 300.0),
+            level: rng.between(0.02, 0.25),
+        };
+        let count = 150 + rng.below(350);
+        let record = motor_record(&mut rng, &motor, count, false);
+        let options = IdentifyOptions {
+            sets: 12,
+            ..IdentifyOptions::default()
+        };
+        let found = run(&model, std::slice::from_ref(&record), &options);
+        assert!(!matches!(found.conclusion, Conclusion::Inconsistent(_)));
+        let truth = [1.0 / motor.beta, -motor.alpha / motor.beta, motor.level];
+        for (bounds, truth) in found.params.iter().zip(truth) {
+            assert!(
+                bounds.outer.inflate(1e-12).contains(truth),
+                "{truth} in {bounds:?}"
+            );
+        }
+        for point in &found.points {
+            let p: Vec<f64> = point.iter().map(|x| x.mid()).collect();
+            for (x, param) in p.iter().zip(&model.params) {
+                assert!(param.bounds.inflate(1e-12).contains(*x), "{p:?}");
+            }
+            agrees(
+                &[-p[1] / p[0], 1.0 / p[0], p[2]],
+                &record,
+                found.starts[0][0].outer,
+            );
+        }
+        proved += usize::from(!found.points.is_empty());
+        narrowed += usize::from(found.params[2].outer.width() < 0.06);
+    }
+    assert!(
+        narrowed > 0 && proved > 0,
+        "{narrowed} {proved} of {rounds}"
+    );
+}
+
 /// Some start of the exact solution agrees with all samples.
 fn agrees(p: &[f64], record: &[Sample], start: Interval) {
     let motor = Motor {

@@ -161,7 +161,7 @@ impl Doubtful {
         for told in self.open.iter_mut().chain(&mut self.all) {
             told.rows
                 .iter_mut()
-                .for_each(|(affine, _)| affine.rescale(scales));
+                .for_each(|(affine, _)| affine.rescale(&[], scales));
         }
     }
 

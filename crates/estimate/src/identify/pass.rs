@@ -8,13 +8,14 @@ use std::cell::Cell as Shared;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+use super::cell::BELIEVED;
 use super::outliers::Doubtful;
 use super::problem::{Course, Moved, Problem, Value};
 use super::region::scales_of;
 use super::rows::{Affine, Rows, Scaled};
 use super::simplex::{Program, Side, minimum, refutes};
 use serde::{Deserialize, Serialize};
-use veribound_flow::form::{Arriving, Form, FormOptions, Meeting, Parallelotope};
+use veribound_flow::form::{Arriving, Form, FormOptions, Meeting, Parallelotope, Strip};
 use veribound_interval::Interval;
 
 /// A pass ends where so many steps do not lead to the next sample: the set grows too fast to tell anything.
@@ -45,6 +46,9 @@ const ROUGHLY: usize = 8;
 
 /// Samples between two questions whether to go on.
 const ASKS: usize = 64;
+
+/// Products of unknowns are unknowns, too, where there are no more than these.
+const MOST_CURVED: usize = 12;
 
 /// States are kept at so many samples of a pass at most.
 const ANCHORS: usize = 12;
@@ -138,6 +142,7 @@ struct Meeter<'a> {
     arrived: Option<Form>,
     later: Vec<Affine>,
     factor: Option<Affine>,
+    /// Maybe with products of the unknowns.
     rows: Rows,
     /// For every output that may have outliers what its samples tell.
     doubtful: Vec<Option<Doubtful>>,
@@ -178,6 +183,14 @@ pub(crate) fn pass(
     let moved = problem.moved(span.aim.is_for_points());
     let mut form = moved.flow.start_in(&set.moved, options);
     let over = Shared::new(false);
+    // Rows of outliers, and of factors, are made of slopes alone.
+    let is_straight = set.factor.is_some() || problem.outliers.iter().any(Option::is_some);
+    let unknowns = form.scales().len();
+    let products = if span.aim == Aim::Bounds && !is_straight && unknowns <= MOST_CURVED {
+        form.products()
+    } else {
+        Vec::new()
+    };
     let mut meeter = Meeter {
         problem,
         moved,
@@ -188,7 +201,7 @@ pub(crate) fn pass(
         arrived: None,
         later: set.later,
         factor: set.factor,
-        rows: Rows::new(form.scales().len()),
+        rows: Rows::with_products(unknowns, products),
         doubtful: problem
             .outliers
             .iter()
@@ -436,7 +449,10 @@ impl Meeter<'_> {
             }
             let list = match &scaled {
                 Some(scaled) => scaled.rows(&strip.slopes, rest).to_vec(),
-                None => vec![(strip.slopes, rest, *told)],
+                None => {
+                    let Affine { slopes, rest } = self.affine(strip);
+                    vec![(slopes, rest, *told)]
+                }
             };
             if let (Some(number), Some(Some(doubtful))) = (number, self.doubtful.get_mut(*quantity))
             {
@@ -492,7 +508,8 @@ impl Meeter<'_> {
         if self.span.aim.is_for_points() || !(is_wanted || is_next) {
             return;
         }
-        let states = form.strips().into_iter().map(Affine::from).collect();
+        let strips = form.strips().into_iter();
+        let states = strips.map(|strip| self.affine(strip)).collect();
         self.anchors.push(Anchor { sample, states });
         if self.anchors.len() > ANCHORS + self.wanted.len() {
             self.apart *= 2;
@@ -532,8 +549,23 @@ impl Meeter<'_> {
 
     fn arriving(&mut self, arriving: &Arriving, sample: usize) {
         let (rest, beyond) = beyond(arriving);
-        self.rows
-            .push(&arriving.ahead.slopes, rest, beyond, sample, 0);
+        let mut slopes = arriving.ahead.slopes.clone();
+        slopes.resize(self.rows.unknowns(), 0.0);
+        self.rows.push(&slopes, rest, beyond, sample, 0);
+    }
+
+    /// Whether products of unknowns are unknowns.
+    fn is_curved(&self) -> bool {
+        !self.rows.products().is_empty()
+    }
+
+    /// A strip in the unknowns of the rows.
+    fn affine(&self, strip: Strip) -> Affine {
+        if self.is_curved() {
+            Affine::curved(strip)
+        } else {
+            Affine::from(strip)
+        }
     }
 
     /// Writes the unknowns anew where the rows leave little of them.
@@ -547,10 +579,9 @@ impl Meeter<'_> {
                     let by = scales_of(&parts);
                     self.rows.rescale(&by);
                     let states = self.anchors.iter_mut().flat_map(|own| &mut own.states);
+                    states.for_each(|state| state.rescale(self.rows.products(), &by));
                     let fixed = self.later.iter_mut().chain(&mut self.factor);
-                    for affine in states.chain(fixed) {
-                        affine.rescale(&by);
-                    }
+                    fixed.for_each(|affine| affine.rescale(&[], &by));
                     for doubtful in self.doubtful.iter_mut().flatten() {
                         doubtful.rescale(&by);
                     }
@@ -562,11 +593,21 @@ impl Meeter<'_> {
     }
 }
 
-/// The smallest box around what the outer rows leave of the unit box, about, and proved to contain it.
+/// The smallest box around what the outer rows leave of the unit box, about, and proved to contain it; products of
+/// unknowns are not told.
 pub(crate) fn contract(rows: &Rows) -> Result<Vec<Interval>, Conflict> {
-    let mut part = vec![Interval::symmetric(1.0); rows.unknowns()];
-    let all = 0..part.len();
-    narrow(rows, &mut part, all)?;
+    if rows.products().is_empty() {
+        return contract_curved(rows);
+    }
+    let mut part = contract_curved(&rows.curved(BELIEVED))?;
+    part.truncate(rows.plain());
+    Ok(part)
+}
+
+/// As [`contract`], of rows that say what bounds products; these are told as well.
+pub(crate) fn contract_curved(rows: &Rows) -> Result<Vec<Interval>, Conflict> {
+    let mut part = rows.whole();
+    narrow(rows, &mut part, 0..rows.plain())?;
     Ok(part)
 }
 

@@ -12,7 +12,7 @@ use veribound_interval::round::{sub_down, sub_up};
 /// Rows that several samples say together have this for a sample.
 pub(crate) const SEVERAL: usize = u32::MAX as usize - 1;
 
-/// Two-sided inequalities `g·δ ∈ [b]` in unknowns `δ` of the unit box.
+/// Two-sided inequalities `g·δ ∈ [b]` in unknowns `δ` of the unit box. The last of these may be products of two others.
 ///
 /// Guarantee: for every solution that agrees with the record, and its unknowns `δ`, `g·δ` lies in
 /// [`Rows::outer`]. If `g·δ` lies in [`Rows::inner`], every solution with these unknowns agrees with the sample
@@ -21,6 +21,8 @@ pub(crate) const SEVERAL: usize = u32::MAX as usize - 1;
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Rows {
     unknowns: usize,
+    /// The last of the unknowns are the products of these.
+    products: Vec<(usize, usize)>,
     slopes: Vec<f64>,
     outer: Vec<Interval>,
     inner: Vec<Interval>,
@@ -36,9 +38,33 @@ impl Rows {
         }
     }
 
-    /// Number of unknowns.
+    /// Rows in unknowns and products of these.
+    pub(crate) fn with_products(unknowns: usize, products: Vec<(usize, usize)>) -> Rows {
+        Rows {
+            unknowns: unknowns + products.len(),
+            products,
+            ..Rows::default()
+        }
+    }
+
+    /// Number of unknowns, products included.
     pub(crate) fn unknowns(&self) -> usize {
         self.unknowns
+    }
+
+    /// Number of unknowns that are no products.
+    pub(crate) fn plain(&self) -> usize {
+        self.unknowns - self.products.len()
+    }
+
+    pub(crate) fn products(&self) -> &[(usize, usize)] {
+        &self.products
+    }
+
+    /// The box of the unknowns.
+    pub(crate) fn whole(&self) -> Vec<Interval> {
+        let plain = (0..self.plain()).map(|_| Interval::symmetric(1.0));
+        plain.chain(self.products.iter().map(range_of)).collect()
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -140,7 +166,7 @@ impl Rows {
         }
         for row in 0..self.len() {
             let slopes = &mut self.slopes[row * self.unknowns..(row + 1) * self.unknowns];
-            let moved = rescale(slopes, scales);
+            let moved = rescale(slopes, &self.products, scales);
             self.outer[row] -= moved;
             self.inner[row] = shrunk(self.inner[row], moved);
         }
@@ -205,9 +231,19 @@ impl From<Strip> for Affine {
 }
 
 impl Affine {
-    /// In other unknowns, as [`Rows::rescale`].
-    pub(crate) fn rescale(&mut self, scales: &[(Interval, Interval)]) {
-        let moved = rescale(&mut self.slopes, scales);
+    /// A strip with its products as unknowns.
+    pub(crate) fn curved(strip: Strip) -> Affine {
+        Affine {
+            rest: strip.rest + Interval::point(strip.centre),
+            slopes: [strip.slopes, strip.products].concat(),
+        }
+    }
+}
+
+impl Affine {
+    /// In other unknowns, as [`Rows::rescale`]; the last slopes are those of these products, if there are any.
+    pub(crate) fn rescale(&mut self, products: &[(usize, usize)], scales: &[(Interval, Interval)]) {
+        let moved = rescale(&mut self.slopes, products, scales);
         self.rest += moved;
     }
 }
@@ -292,25 +328,183 @@ impl Scaled<'_> {
     }
 }
 
-/// Writes slopes for unknowns `δ_i = middle_i + radius_i δ'_i`; encloses what is to be added.
+/// Writes slopes for unknowns `δ_i = middle_i + radius_i δ'_i`, and for products of these; encloses what is to be added.
 ///
 /// Proof. `g·δ = g·m + (g r)·δ'`, and the product `g r` is rounded to `g'`; what it lost, times `δ'` of the
-/// unit box, is added to `g·m`.
-fn rescale(slopes: &mut [f64], scales: &[(Interval, Interval)]) -> Interval {
+/// unit box, is added to `g·m`. A product is `δ_i δ_j = m_i m_j + m_j r_i δ'_i + m_i r_j δ'_j + r_i r_j δ'_i δ'_j`.
+fn rescale(
+    slopes: &mut [f64],
+    products: &[(usize, usize)],
+    scales: &[(Interval, Interval)],
+) -> Interval {
+    let same = |scale: &(Interval, Interval)| *scale == (Interval::ZERO, Interval::ONE);
     let unit = Interval::symmetric(1.0);
     let mut moved = Interval::ZERO;
-    for (slope, (middle, radius)) in slopes.iter_mut().zip(scales) {
-        if *slope == 0.0 || (*middle == Interval::ZERO && *radius == Interval::ONE) {
+    let (slopes, curved) = slopes.split_at_mut(scales.len());
+    // What products add to slopes.
+    let mut added: Vec<Interval> = Vec::new();
+    for (slope, (i, j)) in curved.iter_mut().zip(products) {
+        let (left, right) = (scales[*i], scales[*j]);
+        if *slope == 0.0 || same(&left) && same(&right) {
             continue;
         }
+        added.resize(scales.len(), Interval::ZERO);
         let old = Interval::point(*slope);
-        let product = old * *radius;
+        moved += old * left.0 * right.0;
+        added[*i] += old * right.0 * left.1;
+        added[*j] += old * left.0 * right.1;
+        let product = old * left.1 * right.1;
         let rounded = product.mid();
-        moved += old * *middle;
         moved += (product - Interval::point(rounded)) * unit;
         *slope = rounded;
     }
+    for (v, (slope, scale)) in slopes.iter_mut().zip(scales).enumerate() {
+        let added = added.get(v).copied().unwrap_or(Interval::ZERO);
+        if added == Interval::ZERO && (*slope == 0.0 || same(scale)) {
+            continue;
+        }
+        let old = Interval::point(*slope);
+        let sum = old * scale.1 + added;
+        let rounded = sum.mid();
+        moved += old * scale.0;
+        moved += (sum - Interval::point(rounded)) * unit;
+        *slope = rounded;
+    }
     moved
+}
+
+/// The values of a product of two unknowns of the unit box.
+fn range_of((i, j): &(usize, usize)) -> Interval {
+    let unit = Interval::symmetric(1.0);
+    if i == j {
+        unit.intersect(Interval::new(0.0, 1.0).unwrap_or(unit))
+    } else {
+        unit
+    }
+}
+
+/// Where tangents touch the squares that they bound.
+const TANGENTS: [f64; 5] = [-1.0, -0.5, 0.0, 0.5, 1.0];
+
+/// Products with slopes below this share of what a row allows are not unknowns of linear programs.
+pub(crate) const SLIGHT: f64 = 0.02;
+
+impl Rows {
+    /// The products that tell something.
+    pub(crate) fn notable(&self) -> Vec<(usize, usize)> {
+        let plain = self.plain();
+        let is_notable = |position: &usize| {
+            (0..self.len()).any(|row| {
+                let slope = self.slopes(row)[plain + position].abs();
+                slope > SLIGHT * self.outer[row].width()
+            })
+        };
+        let positions = (0..self.products.len()).filter(is_notable);
+        positions.map(|position| self.products[position]).collect()
+    }
+
+    /// Adds rows in some of the unknowns, as [`Rows::take`], with those of their products that these rows have; others are
+    /// something between.
+    pub(crate) fn take_curved(&mut self, other: &Rows, kept: &[usize], record: usize) {
+        let places = self.places(&other.products, kept);
+        let plain = other.plain();
+        for row in 0..other.len() {
+            let begin = self.slopes.len();
+            self.slopes.resize(begin + self.unknowns, 0.0);
+            let (straight, curved) = other.slopes(row).split_at(plain);
+            for (axis, slope) in kept.iter().zip(straight) {
+                self.slopes[begin + axis] = *slope;
+            }
+            let mut rest = Interval::ZERO;
+            for ((slope, place), product) in curved.iter().zip(&places).zip(&other.products) {
+                match place {
+                    Some(place) => self.slopes[begin + place] = *slope,
+                    None if *slope == 0.0 => {}
+                    None => rest += Interval::point(*slope) * range_of(product),
+                }
+            }
+            self.outer.push(other.outer[row] - rest);
+            self.inner.push(shrunk(other.inner[row], rest));
+            self.origins.push((other.origins[row].0, short(record)));
+        }
+    }
+
+    /// An affine function of unknowns and products, in the unknowns of these rows, as [`Rows::take_curved`].
+    pub(crate) fn adopt(
+        &self,
+        affine: &Affine,
+        products: &[(usize, usize)],
+        kept: &[usize],
+    ) -> Affine {
+        let mut slopes = vec![0.0; self.unknowns];
+        let mut rest = affine.rest;
+        let (straight, curved) = affine.slopes.split_at(affine.slopes.len() - products.len());
+        for (axis, slope) in kept.iter().zip(straight) {
+            slopes[*axis] = *slope;
+        }
+        let places = self.places(products, kept);
+        for ((slope, place), product) in curved.iter().zip(places).zip(products) {
+            match place {
+                Some(place) => slopes[place] = *slope,
+                None if *slope == 0.0 => {}
+                None => rest += Interval::point(*slope) * range_of(product),
+            }
+        }
+        Affine { slopes, rest }
+    }
+
+    /// Where products of unknowns that are `kept` here stand.
+    fn places(&self, products: &[(usize, usize)], kept: &[usize]) -> Vec<Option<usize>> {
+        let place = |(i, j): &(usize, usize)| {
+            let pair = in_order(kept[*i], kept[*j]);
+            let position = self.products.iter().position(|own| *own == pair)?;
+            Some(self.plain() + position)
+        };
+        products.iter().map(place).collect()
+    }
+
+    /// Adds what bounds products by their factors: the planes through the corners of the unit box (McCormick, 1976), and
+    /// tangents of squares.
+    pub(crate) fn bound_products(&mut self, origin: usize) {
+        let plain = self.plain();
+        let half = |lo: f64| Interval::new(lo, f64::INFINITY).unwrap_or(Interval::ENTIRE);
+        for (position, (i, j)) in self.products.clone().into_iter().enumerate() {
+            let mut slopes = vec![0.0; self.unknowns];
+            slopes[plain + position] = 1.0;
+            if i == j {
+                // `(x - a)² >= 0`
+                for at in TANGENTS {
+                    slopes[i] = -2.0 * at;
+                    self.push(&slopes, Interval::ZERO, half(-at * at), origin, 0);
+                }
+                continue;
+            }
+            // `(1 ± x)(1 ± y) >= 0`
+            for (left, right) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+                slopes[plain + position] = left * right;
+                slopes[i] = left;
+                slopes[j] = right;
+                self.push(&slopes, Interval::ZERO, half(-1.0), origin, 0);
+            }
+        }
+    }
+
+    /// The same rows with the products that tell something, and what bounds these; without any, no products are unknowns.
+    pub(crate) fn curved(&self, origin: usize) -> Rows {
+        let every: Vec<usize> = (0..self.plain()).collect();
+        let mut rows = Rows::with_products(self.plain(), self.notable());
+        rows.take_curved(self, &every, 0);
+        for (own, old) in rows.origins.iter_mut().zip(&self.origins) {
+            *own = *old;
+        }
+        rows.bound_products(origin);
+        rows
+    }
+}
+
+/// A pair, the smaller first.
+pub(crate) fn in_order(a: usize, b: usize) -> (usize, usize) {
+    (a.min(b), a.max(b))
 }
 
 /// All numbers `x` with `x + rest` inside `whole`, whatever `rest` is: rounded inward.
@@ -400,6 +594,92 @@ mod tests {
                 assert!(rows.inner(row).is_subset_of(rows.outer(row)));
             }
         }
+    }
+
+    /// A sum of slopes times unknowns and their products, at some unknowns.
+    fn value(rows: &Rows, row: usize, at: &[f64]) -> Interval {
+        let products = rows.products().iter();
+        let products = products.map(|(i, j)| Interval::point(at[*i]) * Interval::point(at[*j]));
+        let all = at.iter().map(|x| Interval::point(*x)).chain(products);
+        let terms = rows.slopes(row).iter().zip(all);
+        terms.fold(Interval::ZERO, |sum, (g, x)| sum + Interval::point(*g) * x)
+    }
+
+    /// Unknowns that satisfy a row with products satisfy it in new unknowns, with those products alone that tell something,
+    /// without any, and beside what bounds products; sharp rows cut off the others.
+    #[test]
+    fn rows_with_products_mean_the_same() {
+        let mut state = 7_u64;
+        let mut draw = |from: f64, to: f64| {
+            state = state
+                .wrapping_mul(6364136223846793005)
+                .wrapping_add(1442695040888963407);
+            from + (to - from) * (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        let products = vec![(0, 0), (0, 1), (1, 1), (0, 2), (2, 2)];
+        let mut cut = 0;
+        for _ in 0..2000 {
+            let scales: Vec<(Interval, Interval)> = (0..3)
+                .map(|_| {
+                    let middle = draw(-0.5, 0.5);
+                    (Interval::point(middle), Interval::point(draw(0.01, 0.5)))
+                })
+                .collect();
+            let new: Vec<f64> = (0..3).map(|_| draw(-1.0, 1.0)).collect();
+            let old: Vec<Interval> = scales
+                .iter()
+                .zip(&new)
+                .map(|((middle, radius), x)| *middle + *radius * Interval::point(*x))
+                .collect();
+            let mut rows = Rows::with_products(3, products.clone());
+            // Some products are too slight to be unknowns.
+            let slight = [1.0, 1e-3, 0.0];
+            let slopes: Vec<f64> = (0..8)
+                .map(|k| draw(-1.0, 1.0) * if k > 5 { slight[k % 3] } else { 1.0 })
+                .collect();
+            let squares = products.iter().map(|(i, j)| old[*i] * old[*j]);
+            let all = old.iter().copied().chain(squares);
+            let sum = slopes.iter().zip(all);
+            let sum = sum.fold(Interval::ZERO, |sum, (g, x)| sum + Interval::point(*g) * x);
+            let narrow = draw(1e-3, 0.1);
+            rows.push(
+                &slopes,
+                Interval::ZERO,
+                interval(sum.lo(), sum.hi() + narrow),
+                3,
+                0,
+            );
+            let beyond = interval(sum.lo() - narrow, sum.lo() - 1e-12);
+            rows.push(&slopes, Interval::ZERO, beyond, 4, 0);
+            rows.rescale(&scales);
+            assert!(value(&rows, 0, &new).intersects(rows.outer(0)));
+            assert!(!value(&rows, 1, &new).is_subset_of(rows.outer(1)));
+            assert!(!value(&rows, 1, &new).intersects(rows.inner(1)));
+            let curved = rows.curved(9);
+            assert_eq!(curved.origin(0), (3, 0));
+            cut += usize::from(curved.products().len() < products.len());
+            for row in (0..curved.len()).filter(|row| *row != 1) {
+                let value = value(&curved, row, &new);
+                assert!(value.inflate(1e-14).intersects(curved.outer(row)), "{row}");
+            }
+            let mut flat = Rows::new(4);
+            flat.take_curved(&rows, &[3, 0, 2], 5);
+            let at = [new[1], 0.0, new[2], new[0]];
+            assert!(value(&flat, 0, &at).intersects(flat.outer(0)));
+            assert!(!value(&flat, 1, &at).intersects(flat.inner(1)));
+            let mut joint = Rows::with_products(4, vec![(0, 3), (3, 3)]);
+            joint.take_curved(&rows, &[3, 0, 2], 5);
+            assert!(value(&joint, 0, &at).intersects(joint.outer(0)));
+            let affine = Affine {
+                slopes: rows.slopes(0).to_vec(),
+                rest: Interval::ZERO,
+            };
+            let adopted = joint.adopt(&affine, rows.products(), &[3, 0, 2]);
+            let mut alone = Rows::with_products(4, joint.products().to_vec());
+            alone.push(&adopted.slopes, adopted.rest, rows.outer(0), 0, 0);
+            assert!(value(&alone, 0, &at).intersects(alone.outer(0)));
+        }
+        assert!(cut > 100, "{cut}");
     }
 
     #[test]

@@ -9,14 +9,15 @@
     reason = "PROOF: unknowns, rows and records of the same region and problem"
 )]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 use super::cell::{BELIEVED, of_record};
 use super::eigen::eigenvectors;
-use super::pass::{Aim, Anchor, Conflict, GoOn, Passed, Span, contract, narrow, pass};
+use super::pass::{Aim, Anchor, Conflict, GoOn, Passed, Span, contract_curved, narrow, pass};
 use super::problem::Problem;
 use super::region::{Region, scales_of};
-use super::rows::{Affine, Rows};
+use super::rows::{Affine, Rows, SLIGHT, in_order};
 use super::simplex::{Deepest, Program, Side, deepest};
 use veribound_flow::form::Parallelotope;
 use veribound_interval::Interval;
@@ -28,7 +29,7 @@ const ENOUGH: f64 = 0.6;
 const AS_WELL: f64 = 2.0;
 
 /// Where one window goes over to the next, what is no function of its unknowns should be less than this share.
-const LOST: f64 = 0.2;
+const LOST: f64 = 0.5;
 
 /// So many unknowns of windows are looked at together for the states where they begin: parameters, which all others told
 /// of, bound these beside their neighbours.
@@ -62,8 +63,9 @@ pub(crate) struct Window {
 /// Where one window goes over to the next.
 pub(crate) struct Link {
     sample: usize,
-    /// States there, in the unknowns of the window before,
+    /// States there, in the unknowns of the window before and these products of them,
     states: Vec<Affine>,
+    products: Vec<(usize, usize)>,
     /// and as what the next one begins with.
     starts: Region,
 }
@@ -94,8 +96,9 @@ impl Problem {
         let (own, kept) = region.rows_of(&self.fixed_of(record, false));
         let mut from = 0;
         let first = windows.last().and_then(|window| {
-            let part = contract(&window.passed.rows).ok()?;
-            anchored(&window.passed, &part, from, known)
+            let rows = window.passed.rows.curved(BELIEVED);
+            let part = contract_curved(&rows).ok()?;
+            anchored(&window.passed, &rows, &part, from, known)
         });
         let mut link = first;
         while let Some(next) = link.filter(|_| go_on()) {
@@ -123,9 +126,10 @@ impl Problem {
                 return Err(of_record(record, conflict));
             }
             passed.rows.prune();
-            let part = contract(&passed.rows).map_err(|conflict| of_record(record, conflict))?;
+            let rows = passed.rows.curved(BELIEVED);
+            let part = contract_curved(&rows).map_err(|conflict| of_record(record, conflict))?;
             let ended = passed.reached == until;
-            link = anchored(&passed, &part, from, known).filter(|_| !ended);
+            link = anchored(&passed, &rows, &part, from, known).filter(|_| !ended);
             let both = passed.scales[fresh..].iter().zip(&part[fresh..]);
             let shrunk = both.map(|(scale, x)| scale.1.hi() * x.rad());
             let shrunk = shrunk.fold(1.0, f64::min);
@@ -146,13 +150,24 @@ impl Problem {
 
 /// The last sample after `from` at which states are known about as well as anywhere on the way of a pass: what comes
 /// after a sample tells as much of it as what was before, so that this is seldom the last one of all.
-fn anchored(passed: &Passed, part: &[Interval], from: usize, known: &Junctions) -> Option<Link> {
-    let mut program = Program::new(&passed.rows, part, Side::Outer);
+///
+/// The rows are those of the pass, with what bounds their products.
+fn anchored(
+    passed: &Passed,
+    rows: &Rows,
+    part: &[Interval],
+    from: usize,
+    known: &Junctions,
+) -> Option<Link> {
+    let mut program = Program::new(rows, part, Side::Outer);
+    let every: Vec<usize> = (0..rows.plain()).collect();
+    let products = passed.rows.products();
     let later = passed.anchors.iter().filter(|anchor| anchor.sample > from);
     let boxes: Vec<(&Anchor, Vec<Interval>)> = later
         .map(|anchor| {
             let states = anchor.states.iter();
-            let mut box_: Vec<Interval> = states.map(|state| program.around(state)).collect();
+            let states = states.map(|state| rows.adopt(state, products, &every));
+            let mut box_: Vec<Interval> = states.map(|state| program.around(&state)).collect();
             for (x, known) in box_
                 .iter_mut()
                 .zip(known.get(&anchor.sample).into_iter().flatten())
@@ -188,6 +203,7 @@ fn anchored(passed: &Passed, part: &[Interval], from: usize, known: &Junctions) 
     Some(Link {
         sample: anchor.sample,
         states: anchor.states.clone(),
+        products: products.to_vec(),
         starts: Region::of_box(box_),
     })
 }
@@ -254,7 +270,7 @@ pub(crate) fn in_common(windows: &mut [Window], scales: &[(Interval, Interval)])
         }) = windows.get_mut(position + 1)
         {
             for state in &mut link.states {
-                state.rescale(&to_common);
+                state.rescale(&link.products, &to_common);
             }
         }
     }
@@ -287,23 +303,28 @@ pub(crate) fn joined(
 ) -> Result<Joined, (usize, Conflict)> {
     let mut rows = Rows::new(axes);
     for window in windows.iter().filter(|window| window.link.is_none()) {
-        rows.take(&window.passed.rows, &window.kept, window.record);
+        rows.take_curved(&window.passed.rows, &window.kept, window.record);
     }
     let mut deep = None;
     let every: Vec<usize> = (0..axes).collect();
     for (part, fresh) in groups(windows, together_at_most) {
-        if fresh == 0 {
+        // What a window without products says is among the rows.
+        if fresh == 0 && part[0].passed.rows.products().is_empty() {
             continue;
         }
         let record = part[0].record;
         let joint = together(part, (fresh, axes)).rows;
-        let mut left = vec![Interval::symmetric(1.0); fresh + axes];
+        let mut left = joint.whole();
         narrow(&joint, &mut left, fresh..fresh + axes).map_err(|conflict| (record, conflict))?;
         if part.len() == windows.len() {
             let (point, depth) = deepest(&joint, &left);
-            deep = Some((point[fresh..].to_vec(), depth));
+            deep = Some((point[fresh..fresh + axes].to_vec(), depth));
         }
-        rows.take(&projected(&joint, &left, fresh), &every, record);
+        rows.take(
+            &projected(&joint, &left, fresh..fresh + axes),
+            &every,
+            record,
+        );
     }
     Ok(Joined {
         rows,
@@ -323,8 +344,8 @@ pub(crate) fn junctions(
             continue;
         }
         let joint = together(part, (fresh, left.len()));
-        let mut all = vec![Interval::symmetric(1.0); fresh];
-        all.extend(left);
+        let mut all = joint.rows.whole();
+        all[fresh..fresh + left.len()].copy_from_slice(left);
         narrow(&joint.rows, &mut all, 0..fresh).map_err(|conflict| (part[0].record, conflict))?;
         for (window, columns) in part.iter().zip(&joint.columns) {
             let Some(link) = &window.link else { continue };
@@ -347,42 +368,71 @@ struct Together {
 
 /// What windows say, and that each begins where the one before leads to.
 fn together(windows: &[Window], (fresh, axes): (usize, usize)) -> Together {
-    let mut rows = Rows::new(fresh + axes);
     let mut columns: Vec<Vec<usize>> = Vec::with_capacity(windows.len());
+    let mut products = BTreeSet::new();
     let mut begin = 0;
-    for (position, window) in windows.iter().enumerate() {
+    for window in windows {
         let own = begin..begin + window.own();
         begin = own.end;
         let kept = window.kept.iter().map(|axis| fresh + axis);
-        columns.push(own.clone().chain(kept).collect());
-        rows.take(&window.passed.rows, &columns[position], window.record);
-        let Some(link) = window.link.as_ref().filter(|_| position > 0) else {
-            continue;
-        };
-        let starts = link.starts.rescaled(&window.passed.scales[..own.len()]);
+        let own: Vec<usize> = own.chain(kept).collect();
+        let pairs = window.passed.rows.notable().into_iter();
+        products.extend(pairs.map(|(i, j)| in_order(own[i], own[j])));
+        columns.push(own);
+    }
+    let links = windows.iter().enumerate().skip(1);
+    let links = links.filter_map(|(position, window)| Some((position, window.link.as_ref()?)));
+    for (position, link) in links.clone() {
+        let own = &columns[position - 1];
+        let pairs = link.notable().into_iter();
+        products.extend(pairs.map(|(i, j)| in_order(own[i], own[j])));
+    }
+    let mut rows = Rows::with_products(fresh + axes, products.into_iter().collect());
+    for (window, own) in windows.iter().zip(&columns) {
+        rows.take_curved(&window.passed.rows, own, window.record);
+    }
+    for (position, link) in links {
+        let window = &windows[position];
+        let fresh = link.starts.axes();
+        let starts = link.starts.rescaled(&window.passed.scales[..fresh]);
         for (state, before) in link.states.iter().enumerate() {
-            let mut slopes = vec![0.0; fresh + axes];
-            for (column, slope) in columns[position - 1].iter().zip(&before.slopes) {
-                slopes[*column] = *slope;
-            }
-            for (column, slope) in own.clone().zip(&starts.axes[state]) {
-                slopes[column] = -slope;
+            let before = rows.adopt(before, &link.products, &columns[position - 1]);
+            let mut slopes = before.slopes;
+            for (column, slope) in columns[position].iter().zip(&starts.axes[state]) {
+                slopes[*column] -= slope;
             }
             let rest = before.rest - starts.offset(state);
             rows.push(&slopes, rest, Interval::ZERO, BELIEVED, window.record);
         }
     }
     rows.prune();
+    rows.bound_products(BELIEVED);
     Together { rows, columns }
 }
 
-/// What rows say of all unknowns but the first `fresh`.
-fn projected(rows: &Rows, part: &[Interval], fresh: usize) -> Rows {
+impl Link {
+    /// The products that the states depend on notably, beside what they are known to.
+    fn notable(&self) -> Vec<(usize, usize)> {
+        let plain = |state: &Affine| state.slopes.len() - self.products.len();
+        let is_notable = |position: &usize| {
+            let mut states = self.states.iter().zip(&self.starts.axes);
+            states.any(|(state, axes)| {
+                let width: f64 = axes.iter().map(|x| 2.0 * x.abs()).sum();
+                state.slopes[plain(state) + position].abs() > SLIGHT * width
+            })
+        };
+        let positions = (0..self.products.len()).filter(is_notable);
+        positions.map(|position| self.products[position]).collect()
+    }
+}
+
+/// What rows say of some of the unknowns.
+fn projected(rows: &Rows, part: &[Interval], wanted: Range<usize>) -> Rows {
     let n = part.len();
     let matrix = information(rows, part);
-    // What is left of the information when the first unknowns are free.
+    // What is left of the information when the other unknowns are free.
     let mut left = matrix;
-    for v in 0..fresh {
+    for v in (0..n).filter(|v| !wanted.contains(v)) {
         let pivot = left[v * n + v];
         if pivot <= 0.0 {
             continue;
@@ -396,10 +446,9 @@ fn projected(rows: &Rows, part: &[Interval], fresh: usize) -> Rows {
             }
         }
     }
-    let kept = n - fresh;
-    let corner: Vec<f64> = (fresh..n)
-        .flat_map(|i| left[i * n + fresh..(i + 1) * n].to_vec())
-        .collect();
+    let kept = wanted.len();
+    let row = |i: usize| left[i * n + wanted.start..i * n + wanted.end].to_vec();
+    let corner: Vec<f64> = wanted.clone().flat_map(row).collect();
     let mut directions = eigenvectors(kept, &corner);
     directions.extend((0..kept).map(|v| {
         let mut unit = vec![0.0; kept];
@@ -410,9 +459,12 @@ fn projected(rows: &Rows, part: &[Interval], fresh: usize) -> Rows {
     let mut told = Rows::new(kept);
     let sample = (0..rows.len()).map(|row| rows.origin(row).0).max();
     for direction in directions {
-        let whole = [&vec![0.0; fresh][..], &direction].concat();
+        let mut whole = vec![0.0; n];
+        whole[wanted.clone()].copy_from_slice(&direction);
         let bounds = program.bounds(&whole);
-        if bounds.is_bounded() {
+        if bounds.is_bounded() && wanted.start == 0 {
+            told.push_outer(&direction, bounds);
+        } else if bounds.is_bounded() {
             told.push(&direction, Interval::ZERO, bounds, sample.unwrap_or(0), 0);
         }
     }

@@ -367,7 +367,7 @@ impl Runner {
             self.region = self.region.rescaled(&by);
             let states = self.anchor.iter_mut().flat_map(|(_, states)| states);
             for affine in states {
-                affine.rescale(&by);
+                affine.rescale(&[], &by);
             }
             self.part.fill(Interval::symmetric(1.0));
         }

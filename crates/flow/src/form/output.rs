@@ -38,6 +38,10 @@ pub struct Strip {
     pub slopes: Vec<f64>,
     /// What is not affine, and what is not known.
     pub remainder: Interval,
+    /// One for every product of two unknowns, in the order of [`Form::products`]: a part of what is not affine,
+    pub products: Vec<f64>,
+    /// and what there is besides.
+    pub rest: Interval,
 }
 
 /// A measurement contradicts the form: no solution in it has such a value.
@@ -115,13 +119,27 @@ impl Form {
     pub(super) fn straight(&self, polynomial: &[f64], rest: Interval) -> Strip {
         let count = self.unknowns.len();
         let (mut below, mut above) = (0.0, 0.0);
+        // Of those alone that are no products of two unknowns.
+        let (mut under, mut over) = (0.0, 0.0);
+        let mut products = Vec::new();
         for (a, x) in polynomial.iter().enumerate().skip(1 + count) {
+            let is_product = self.is_product(a);
+            if is_product {
+                products.push(*x);
+            }
             if *x == 0.0 {
                 continue;
             }
             let even = self.monomials.is_even(a);
-            below += if even { (-x).max(0.0) } else { x.abs() };
-            above += if even { x.max(0.0) } else { x.abs() };
+            let (down, up) = if even {
+                ((-x).max(0.0), x.max(0.0))
+            } else {
+                (x.abs(), x.abs())
+            };
+            (below, above) = (below + down, above + up);
+            if !is_product {
+                (under, over) = (under + down, over + up);
+            }
         }
         // What is zero stays so: a state that is held has its value exactly.
         let sum = |x: f64| {
@@ -131,12 +149,38 @@ impl Form {
                 raised(x, polynomial.len())
             }
         };
-        let curved = Interval::new(-sum(below), sum(above));
+        let around = |below: f64, above: f64| {
+            let curved = Interval::new(-sum(below), sum(above));
+            curved.unwrap_or(Interval::ENTIRE) + rest
+        };
         Strip {
             centre: polynomial[0],
             slopes: polynomial[1..=count].to_vec(),
-            remainder: curved.unwrap_or(Interval::ENTIRE) + rest,
+            remainder: around(below, above),
+            products,
+            rest: around(under, over),
         }
+    }
+
+    /// Whether a monomial is the product of two unknowns, the square of one included.
+    fn is_product(&self, monomial: usize) -> bool {
+        let (own, fresh) = self
+            .monomials
+            .exponents(monomial)
+            .split_at(self.unknowns.len());
+        own.iter().sum::<u8>() == 2 && fresh.iter().all(|e| *e == 0)
+    }
+
+    /// The unknowns of which strips have the products, each pair in order; those of forms of degree one have none.
+    pub fn products(&self) -> Vec<(usize, usize)> {
+        let count = self.unknowns.len();
+        let products = (1 + count..self.monomials.len()).filter(|a| self.is_product(*a));
+        let pair = |a: usize| {
+            let exponents = self.monomials.exponents(a).iter().enumerate();
+            let mut own = exponents.flat_map(|(v, e)| (0..*e).map(move |_| v));
+            Some((own.next()?, own.next()?))
+        };
+        products.filter_map(pair).collect()
     }
 
     /// A quantity as polynomial in the unknowns, and how far it can be from that.
