@@ -8,6 +8,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::answer::{Conclusion, Refuted};
+use super::balances::Balances;
 use super::held::Held;
 use super::region::Region;
 use crate::signals::Signals;
@@ -253,6 +254,8 @@ pub(crate) struct Problem {
     pub(crate) prior: Vec<Interval>,
     /// Measurement errors may be so many times as large as the model says: one quantity more.
     pub(crate) factor: Option<Interval>,
+    /// What equations say when they are integrated along the records, where that was asked.
+    pub(crate) balances: Option<Balances>,
 }
 
 /// Quantities of a region are in this order: the start states of every record, the values after resets of every
@@ -265,6 +268,13 @@ impl Problem {
         } else {
             &self.outer
         }
+    }
+
+    /// Whether some input may have any course within what is known of it, which no state can make jump.
+    pub(crate) fn is_driven_freely(&self) -> bool {
+        self.held.is_free()
+            && !self.outer.flow.has_jumps()
+            && self.outliers.iter().all(Option::is_none)
     }
 
     /// Positions of the start states of a record.
@@ -372,6 +382,7 @@ impl Problem {
             courses: Vec::new(),
             prior: model.params.iter().map(|param| param.bounds).collect(),
             factor: None,
+            balances: None,
         }
     }
 
@@ -397,6 +408,8 @@ impl Problem {
     /// alone.
     pub(crate) fn confirm(mut self, found: Refuted) -> Conclusion {
         let whole = std::mem::take(&mut self.courses);
+        // All samples are in these.
+        self.balances = None;
         let count = whole
             .get(found.record)
             .map_or(0, |course| course.instants.len());

@@ -753,6 +753,8 @@ impl<'a> Search<'a> {
                 Limit::Memory
             } else if all_ended {
                 Limit::Budget
+            } else if self.problem.balances.is_some() {
+                Limit::Inputs
             } else {
                 Limit::Enclosure
             }
