@@ -46,6 +46,9 @@ const SHAPES: [&[f64]; 16] = [
 /// States at samples are narrowed by so many neighbours on each side.
 const NEIGHBOURS: usize = 16;
 
+/// Then what happens between samples is enclosed anew, so often in all.
+const ROUNDS: usize = 2;
+
 /// Functions that say nearly the same of the parameters are those whose slopes, as shares of the largest, are the same in so many
 /// parts; of these the best ones are kept.
 const DIRECTIONS: f64 = 6.0;
@@ -146,24 +149,32 @@ impl Balances {
         let system = System::new(model);
         let balances = Balance::of(model);
         let mut tracks = Vec::new();
-        for (record, states) in seen.iter().enumerate() {
-            for balance in &balances {
-                let mut track = Track {
-                    record,
-                    balance: balance.clone(),
-                    nodes: states
-                        .iter()
-                        .map(|x| (x[balance.state()], x[balance.rate()]))
-                        .collect(),
-                    stretches: Vec::new(),
-                    phases: Vec::new(),
-                    windows: Vec::new(),
-                };
-                track.walk(problem, &system, states, box_);
-                track.smooth();
-                track.choose(&Region::of_box(box_));
-                tracks.push(track);
+        for (record, seen) in seen.iter().enumerate() {
+            let mut states = seen.clone();
+            let of = |balance: &Balance| Track {
+                record,
+                balance: balance.clone(),
+                nodes: Vec::new(),
+                stretches: Vec::new(),
+                phases: Vec::new(),
+                windows: Vec::new(),
+            };
+            let mut own: Vec<Track> = balances.iter().map(of).collect();
+            for _ in 0..ROUNDS {
+                for track in &mut own {
+                    track.walk(problem, &system, &states, box_);
+                    track.sweep();
+                    track.smooth();
+                    let (state, rate) = (track.balance.state(), track.balance.rate());
+                    for (box_, node) in states.iter_mut().zip(&track.nodes) {
+                        (box_[state], box_[rate]) = *node;
+                    }
+                }
             }
+            for track in &mut own {
+                track.choose(&Region::of_box(box_));
+            }
+            tracks.append(&mut own);
         }
         Balances { tracks }
     }
@@ -188,6 +199,9 @@ impl Track {
         box_: &[Interval],
     ) {
         let course = &problem.courses[self.record];
+        let (state, rate) = (self.balance.state(), self.balance.rate());
+        self.nodes = states.iter().map(|x| (x[state], x[rate])).collect();
+        self.stretches.clear();
         let mut workspace = Workspace::new(system, StepOptions::default());
         for (k, stretch) in course.stretches.iter().enumerate() {
             if k + 1 >= states.len() {
@@ -220,12 +234,40 @@ impl Track {
             let tube = workspace.tube().to_vec();
             self.stretches.push(Some(Stretch {
                 dt,
-                bend: workspace.velocity()[self.balance.rate()],
+                bend: workspace.velocity()[rate],
                 tube,
                 inputs: inputs.clone(),
                 modes: report.modes_during,
                 phase,
             }));
+        }
+    }
+
+    /// Takes what is known of states and rates at a sample to the next one, and to the one before: what comes to rest
+    /// is where it rests.
+    fn sweep(&mut self) {
+        let (state, rate) = (self.balance.state(), self.balance.rate());
+        let last = self.nodes.len().saturating_sub(1).min(self.stretches.len());
+        let forward = (0..last).map(|k| (k, k + 1));
+        let back = (0..last).rev().map(|k| (k + 1, k));
+        for (from, to) in forward.chain(back) {
+            let Some(stretch) = &self.stretches[from.min(to)] else {
+                continue;
+            };
+            let time = if from < to { stretch.dt } else { -stretch.dt };
+            let (x, w) = self.nodes[from];
+            let x = (x + time * stretch.tube[rate]).intersect(stretch.tube[state]);
+            let w = (w + time * stretch.bend).intersect(stretch.tube[rate]);
+            self.narrow(to, (x, w));
+        }
+    }
+
+    /// Narrows a state and its rate; that nothing is left is for rows to say.
+    fn narrow(&mut self, node: usize, (x, w): (Interval, Interval)) {
+        let own = &mut self.nodes[node];
+        let left = (own.0.intersect(x), own.1.intersect(w));
+        if !(left.0.is_empty() || left.1.is_empty()) {
+            *own = left;
         }
     }
 
@@ -274,7 +316,10 @@ impl Track {
             }
             (x, w)
         });
-        self.nodes = nodes.collect();
+        let nodes: Vec<(Interval, Interval)> = nodes.collect();
+        for (node, left) in nodes.into_iter().enumerate() {
+            self.narrow(node, left);
+        }
     }
 
     /// Chooses the functions that tell most of a region, some for every direction.
@@ -441,7 +486,8 @@ impl Track {
             }
         }
         known -= node(last).0 * before;
-        if !(known.is_bounded() && integral.is_bounded()) {
+        let is_known = |x: Interval| x.is_bounded() && !x.is_empty();
+        if !(is_known(known) && is_known(integral)) {
             return None;
         }
         for (sum, factor) in sums.iter_mut().zip(&phase.factor) {

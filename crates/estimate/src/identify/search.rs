@@ -661,7 +661,8 @@ impl<'a> Search<'a> {
                 .tried
                 .iter()
                 .all(|(cell, _)| cell.fits(lengths, records))
-            && state.leaves.iter().all(fits);
+            && state.leaves.iter().all(fits)
+            && (tiles.iter()).all(|tiles| tiles.fits(self.problem.layout.params));
         if !is_own {
             return Err(Unreadable);
         }
