@@ -801,6 +801,20 @@ fn what_was_saved_goes_on_to_the_same_result() {
     }
     let two = [two_exponentials(), two_exponentials()];
     assert_eq!(from(&kept[0], &two), Err(Unreadable));
+    // Of another model with as many quantities, of which fewer are parameters.
+    let other = read(
+        "one exponential",
+        "format = 1\nstates = [\"y1\", \"y2\", \"y3\"]\n[init]\ny1 = 20\ny2 = -8\ny3 = 0\n[params]\np1 = [0, 1]\n[der]\n\
+         y1 = \"-p1*y1\"\ny2 = \"-y2\"\ny3 = \"0\"\n[outputs]\ny = \"y1 + y2 +- 0\"\n",
+    );
+    for bytes in &kept {
+        let checkpoints = Checkpoints {
+            from: Some(bytes),
+            save: &|_| (),
+        };
+        let found = resume(&other, &records, &options, &checkpoints, &|_| true);
+        assert_eq!(found, Err(Unreadable));
+    }
 }
 
 /// Where no more may be kept, what is proved stays proved, and says what limits it.

@@ -3,10 +3,12 @@
 //! A model is compiled once into a [`System`]; [`System::step`] then moves boxes of states over
 //! stretches of time such that no Filippov solution is lost. [`form`] moves sets that keep how states
 //! depend on start values and parameters, across switches too; [`comparison`] bounds monotone systems by two
-//! solutions. [`engine`] chooses between all of them.
+//! solutions. [`engine`] chooses between all of them. [`balance`] integrates equations against functions of time, without any
+//! solution.
 
 mod advance;
 mod apriori;
+pub mod balance;
 pub mod comparison;
 pub mod engine;
 mod face;

@@ -335,7 +335,7 @@ pub(crate) fn agree_on_guards(
     }
 }
 
-fn put_levels(graph: &mut Graph, e: ExprId, equalities: &[(usize, ExprId)]) -> ExprId {
+pub(crate) fn put_levels(graph: &mut Graph, e: ExprId, equalities: &[(usize, ExprId)]) -> ExprId {
     graph.substitute(e, &|var| {
         equalities
             .iter()
@@ -345,7 +345,11 @@ fn put_levels(graph: &mut Graph, e: ExprId, equalities: &[(usize, ExprId)]) -> E
 }
 
 /// Collects `state == constant` conditions that hold wherever `guard` does.
-fn demanded_equalities(graph: &mut Graph, guard: &Guard, found: &mut Vec<(usize, ExprId)>) {
+pub(crate) fn demanded_equalities(
+    graph: &mut Graph,
+    guard: &Guard,
+    found: &mut Vec<(usize, ExprId)>,
+) {
     match guard {
         Guard::All(parts) => {
             for part in parts {

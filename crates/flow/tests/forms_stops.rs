@@ -18,6 +18,9 @@ use veribound_interval::Interval;
 /// How far exact solutions are rounded, at most.
 const SLACK: f64 = 1e-9;
 
+/// Moves a state with these parameters on, under an input and for so long.
+type Advance<'a> = dyn FnMut(&[f64], &mut [f64; 2], f64, f64) + 'a;
+
 /// A set, and what pushes it from sample to sample.
 struct Case {
     start: Vec<Interval>,
@@ -34,7 +37,7 @@ impl Case {
         flow: &Flow,
         rng: &mut Rng,
         trials: &mut Trials,
-        advance: &mut dyn FnMut(&[f64], &mut [f64; 2], f64, f64),
+        advance: &mut Advance<'_>,
     ) -> usize {
         let stretches = self.stretches.iter().map(|(dt, u)| Stretch {
             inputs: vec![Interval::point(*u)],

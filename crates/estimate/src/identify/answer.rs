@@ -396,6 +396,9 @@ pub enum Limit {
     Memory,
     /// Solutions could not be enclosed to the end of the record.
     Enclosure,
+    /// Inputs may have any course within their errors, so that no set of solutions comes to the end of the record: what
+    /// equations say when they are integrated over it is known, and no more.
+    Inputs,
 }
 
 /// Is given what makes the bytes to save, now and then; it may save or not.

@@ -115,6 +115,8 @@ struct Seen {
     is_complete: bool,
     curvature: Vec<f64>,
     reached: Vec<usize>,
+    /// Whether it is told of all solutions.
+    is_for_all: bool,
 }
 
 impl Problem {
@@ -397,7 +399,7 @@ impl Problem {
                 record,
                 link: None,
             });
-            if let Some(known) = known.filter(|_| is_short) {
+            if let Some(known) = known.filter(|_| is_short && self.balances.is_none()) {
                 self.later_windows(&region, known, &mut windows, passes, go_on)?;
             }
             reached.push(windows.last().map_or(until, |last| last.passed.reached));
@@ -412,6 +414,7 @@ impl Problem {
             is_complete,
             curvature,
             reached,
+            is_for_all: known_of.is_some(),
         })
     }
 
@@ -424,6 +427,8 @@ impl Problem {
             deepest: deep,
         } = joined(&seen.windows, region.axes(), together)?;
         self.believe(region, false, &mut rows);
+        let balances = self.balances.as_ref().filter(|_| seen.is_for_all);
+        let bends = balances.map(|balances| balances.tell(region, &mut rows));
         rows.prune();
         let part = contract(&rows).map_err(|conflict| (0, conflict))?;
         let shrunk = seen
@@ -437,7 +442,7 @@ impl Problem {
             rows,
             part,
             is_complete: seen.is_complete,
-            curvature: seen.curvature.clone(),
+            curvature: bends.unwrap_or_else(|| seen.curvature.clone()),
             passes: 0,
             reached: seen.reached.clone(),
             junctions: vec![Junctions::new(); self.courses.len()],

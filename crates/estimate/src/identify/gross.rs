@@ -18,17 +18,19 @@ use veribound_model::{Model, Sample};
 /// Samples between two questions whether to go on.
 const ASKS: usize = 256;
 
-/// Narrows the user's parameters in `box_`, which is of all that the problem tells, by observers over the records.
+/// Narrows the user's parameters in `box_`, which is of all that the problem tells, by observers over the records, and tells
+/// for every record the states at its samples, as far as the observer came.
 ///
-/// Guarantee: no parameters that agree with all records are lost, nor values after resets; a clash proves that there are
-/// none.
+/// Guarantee: no parameters that agree with all records are lost, nor values after resets, nor states; a clash proves that
+/// there are none.
 pub(crate) fn narrow(
     problem: &Problem,
     model: &Model,
     records: &[Vec<Sample>],
     box_: &mut [Interval],
     go_on: &dyn Fn() -> bool,
-) -> Result<(), Clash> {
+) -> Result<Vec<Vec<Vec<Interval>>>, Clash> {
+    let mut seen = vec![Vec::new(); records.len()];
     for (record, samples) in records.iter().enumerate() {
         let mut observer = Observer::new(model, ObserverOptions::default());
         let params = problem.told_params();
@@ -51,6 +53,7 @@ pub(crate) fn narrow(
                     for (param, quantity, _) in own {
                         box_[*quantity] = box_[*quantity].intersect(estimate.params[*param]);
                     }
+                    seen[record].push(estimate.states);
                 }
                 Ok(Verdict::Inconsistent(_)) => {
                     let samples = (0..=position).map(|sample| (sample, record)).collect();
@@ -65,5 +68,5 @@ pub(crate) fn narrow(
             }
         }
     }
-    Ok(())
+    Ok(seen)
 }

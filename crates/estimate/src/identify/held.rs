@@ -82,6 +82,11 @@ impl Held {
         }
     }
 
+    /// Whether some input may have any course within what is known of it.
+    pub(crate) fn is_free(&self) -> bool {
+        self.inputs.len() > self.firm || !self.nominal.is_empty()
+    }
+
     /// What inputs may be for points: of those that are no parameters one value.
     pub(crate) fn for_points(&self, inputs: &[Interval]) -> Vec<Interval> {
         let mut inputs = inputs.to_vec();

@@ -157,6 +157,60 @@ pub(crate) struct State {
     pub(crate) passes: usize,
 }
 
+impl Local {
+    /// Whether its lists have the lengths of so many coordinates.
+    fn fits(&self, coordinates: usize) -> bool {
+        self.rows.unknowns() == coordinates
+            && self.gaps.len() == self.rows.len()
+            && self.base.len() == coordinates
+            && self.sizes.len() == coordinates
+    }
+}
+
+impl State {
+    /// Whether its lists have the lengths of a problem with so many parameters, and what it points to is there.
+    pub(crate) fn fits(&self, params: usize) -> bool {
+        let coordinates = |frame: Option<usize>| match frame {
+            None => Some(params),
+            Some(frame) => Some(
+                self.turns
+                    .get(frame)?
+                    .frame
+                    .axes
+                    .first()
+                    .map_or(0, Vec::len),
+            ),
+        };
+        let is_frame = |turn: &Turn| {
+            let axes = &turn.frame.axes;
+            let lists = [turn.frame.centre.len(), axes.len(), turn.clip.len()];
+            lists == [params; 3] && axes.iter().all(|row| row.len() == axes[0].len())
+        };
+        let is_open = |open: &Open| {
+            let local = open.local.map(|key| self.locals.get(&key));
+            coordinates(open.frame).is_some_and(|coordinates| {
+                open.within.len() == coordinates
+                    && (open.axis < coordinates || coordinates == 0)
+                    && local.is_none_or(|local| local.is_some_and(|own| own.0.fits(coordinates)))
+            })
+        };
+        let is_closed = |tile: &Tile| {
+            let turned = tile.turned.as_ref();
+            tile.params.len() == params
+                && turned.is_none_or(|turned| {
+                    coordinates(Some(turned.frame)) == Some(turned.unknowns.len())
+                })
+                && match tile.reason {
+                    Reason::Needle { frame } => frame < self.turns.len(),
+                    _ => true,
+                }
+        };
+        self.turns.iter().all(is_frame)
+            && self.open.iter().all(is_open)
+            && self.tiles.iter().all(is_closed)
+    }
+}
+
 /// A paving under way.
 pub(crate) struct Paving<'a> {
     problem: &'a Problem,

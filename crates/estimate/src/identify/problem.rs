@@ -8,6 +8,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::answer::{Conclusion, Refuted};
+use super::balances::Balances;
 use super::held::Held;
 use super::region::Region;
 use crate::signals::Signals;
@@ -257,6 +258,8 @@ pub(crate) struct Problem {
     pub(crate) ratios: Vec<Option<Ratio>>,
     /// The user's bounds of these.
     pub(crate) user: Vec<Interval>,
+    /// What equations say when they are integrated along the records, where that was asked.
+    pub(crate) balances: Option<Balances>,
 }
 
 /// Quantities of a region are in this order: the start states of every record, the values after resets of every
@@ -269,6 +272,13 @@ impl Problem {
         } else {
             &self.outer
         }
+    }
+
+    /// Whether some input may have any course within what is known of it, which no state can make jump.
+    pub(crate) fn is_driven_freely(&self) -> bool {
+        self.held.is_free()
+            && !self.outer.flow.has_jumps()
+            && self.outliers.iter().all(Option::is_none)
     }
 
     /// Positions of the start states of a record.
@@ -389,6 +399,7 @@ impl Problem {
             factor: None,
             ratios: vec![None; model.params.len()],
             user: model.params.iter().map(|param| param.bounds).collect(),
+            balances: None,
         }
     }
 
@@ -414,6 +425,8 @@ impl Problem {
     /// alone.
     pub(crate) fn confirm(mut self, found: Refuted) -> Conclusion {
         let whole = std::mem::take(&mut self.courses);
+        // All samples are in these.
+        self.balances = None;
         let count = whole
             .get(found.record)
             .map_or(0, |course| course.instants.len());

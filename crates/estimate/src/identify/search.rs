@@ -664,7 +664,8 @@ impl<'a> Search<'a> {
                 .tried
                 .iter()
                 .all(|(cell, _)| cell.fits(lengths, records))
-            && state.leaves.iter().all(fits);
+            && state.leaves.iter().all(fits)
+            && (tiles.iter()).all(|tiles| tiles.fits(self.problem.layout.params));
         if !is_own {
             return Err(Unreadable);
         }
@@ -757,6 +758,8 @@ impl<'a> Search<'a> {
                 Limit::Memory
             } else if all_ended {
                 Limit::Budget
+            } else if self.problem.balances.is_some() {
+                Limit::Inputs
             } else {
                 Limit::Enclosure
             }

@@ -276,15 +276,17 @@ pub(crate) fn in_common(windows: &mut [Window], scales: &[(Interval, Interval)])
     }
 }
 
-/// Windows in a row with at most so many unknowns of their own, and how many they have; those that have none are alone.
+/// Windows of a record in a row with at most so many unknowns of their own, and how many they have; those that have none are alone.
 fn groups(windows: &[Window], together_at_most: usize) -> Vec<(&[Window], usize)> {
     let mut groups = Vec::new();
     let mut begin = 0;
     while begin < windows.len() {
         let (mut end, mut fresh) = (begin, 0);
-        while end < windows.len()
-            && (end == begin || fresh + windows[end].own() <= together_at_most)
-        {
+        let fits = |end: usize, fresh: usize| {
+            let is_same = windows[end].record == windows[begin].record;
+            end == begin || is_same && fresh + windows[end].own() <= together_at_most
+        };
+        while end < windows.len() && fits(end, fresh) {
             fresh += windows[end].own();
             end += 1;
         }

@@ -139,6 +139,9 @@ pub fn reason(data: &Data, reason: &Reason) -> String {
         }
         // The whole way through the record narrowed it.
         Reason::Samples { samples, .. } if samples.is_empty() => "the samples together".to_owned(),
+        Reason::Samples { record, samples } if samples.len() == 1 => {
+            format!("line {}{}", lines(*record, samples), of(*record))
+        }
         Reason::Samples { record, samples } => {
             format!("lines {}{} together", lines(*record, samples), of(*record))
         }

@@ -254,6 +254,7 @@ pub fn limit_in_words(limit: Limit) -> &'static str {
         Limit::Budget => "the number of sets",
         Limit::Memory => "the memory",
         Limit::Enclosure => "how far solutions are enclosed",
+        Limit::Inputs => "the errors of inputs",
     }
 }
 
@@ -300,6 +301,10 @@ fn limits(material: &Material<'_>, found: &Findings) -> Vec<String> {
         of(
             Limit::Enclosure,
             "Narrower priors or start intervals, or less of the record (--to), help.",
+        ),
+        of(
+            Limit::Inputs,
+            "Smaller errors of inputs (--input-error) help, or errors that stay the same for a while (@level).",
         ),
     ];
     said.into_iter().flatten().collect()

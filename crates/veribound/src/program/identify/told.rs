@@ -44,6 +44,7 @@ pub fn summary(
             Limit::Budget => "sets",
             Limit::Memory => "memory",
             Limit::Enclosure => "enclosure",
+            Limit::Inputs => "inputs",
         });
         let entry = IdentifiedParameter::new(
             param,

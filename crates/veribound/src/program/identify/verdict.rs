@@ -27,6 +27,8 @@ fn why_undecided(found: &Findings) -> String {
         format!("interrupted after {sets}")
     } else if found.identified.limits.contains(&Limit::Enclosure) {
         "solutions could not be enclosed to the end of the record".to_owned()
+    } else if found.identified.limits.contains(&Limit::Inputs) {
+        format!("{sets}, and no course of the inputs is proved to agree with the record")
     } else {
         format!("{sets}, and no point is proved to agree with the record")
     }
@@ -117,6 +119,8 @@ fn undecided(found: &Findings) -> Diagnostic {
     let help = if found.identified.limits.contains(&Limit::Enclosure) {
         "narrow the priors or start intervals, or read less of the record (`--until`); the bounds hold as \
          they are"
+    } else if found.identified.limits.contains(&Limit::Inputs) {
+        "smaller errors of inputs, or such that stay the same for a while (`hold`), tell more; the bounds hold as they are"
     } else {
         "allow for more sets (`--sets`), or narrow the priors; the bounds hold as they are"
     };

@@ -1,0 +1,293 @@
+//! Balances: equations of a model, to be integrated against functions of time.
+//!
+//! Where a state `x` has the rate `w`, and `w' = A(p) w + r(x, p, u)` in every mode, every solution satisfies for every
+//! absolutely continuous function `ψ` of time, by parts,
+//!
+//! > `[ψ w] - ∫ (ψ' + a ψ) w dt = (A(p) - a) ∫ ψ w dt + ∫ ψ r dt`
+//!
+//! with any number `a`. If `ψ' + a ψ` is constant for a while, the integral on the left is a difference of two values of
+//! `x`, which may be measured. So what the parameters are is told by a few states at a few times and by bounds of `r`, though
+//! inputs have any course and no set of solutions is ever moved: nothing grows on the way. Modulating functions
+//! (Shinbrot 1957; Preisig and Rippin 1993) are functions `ψ` of this kind; that bounds are proved, for solutions
+//! that switch, is own.
+//!
+//! What is told here are bounds of `A` and `r` as linear functions of the parameters.
+//!
+//! # Proof of these bounds
+//!
+//! Let `g` be a function of the parameters that is locally Lipschitz, `e` a corner of a box of parameters and `p` a point of it. Going from
+//! `e` to `p` along one axis after the other (Hansen 1968),
+//!
+//! > `g(p) - g(e) = Σ_j s_j (p_j - e_j)`,
+//!
+//! where `s_j` is a generalised slope in the parameter `j` at a point whose first `j` coordinates are in the box, and the
+//! others those of `e`. Since `p_j - e_j` has one sign on all of the box, the ends of `s_j` bound `g` from both sides by linear functions; for
+//! a product of two parameters the four of two opposite corners are McCormick's. Where several modes may act, `w'` is for
+//! almost all times in the convex hull of their rates (Filippov), at a point at which they act: one convex
+//! combination of their values at `e`, and the same one of their slopes.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: lists have the lengths of the model's layout"
+)]
+
+use crate::modes::ModeSet;
+use crate::system::{System, demanded_equalities, put_levels};
+use veribound_interval::Interval;
+use veribound_interval::lanes::{Interval8, LANES};
+use veribound_model::{ExprId, Graph, Layout, Model, Tape, Var};
+
+/// Encloses a function of the parameters on a box of these, seen from a corner `e` of it.
+///
+/// Guarantee: for every `p` of the box the function, whatever else it depends on, lies in
+/// `at + Σ slopes[j] (p_j - e_j)`.
+///
+/// Example: [`Balance`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct FromCorner {
+    /// At the corner.
+    pub at: Interval,
+    /// Per parameter.
+    pub slopes: Vec<Interval>,
+}
+
+impl FromCorner {
+    /// A function that is zero.
+    pub fn zero(params: usize) -> FromCorner {
+        FromCorner {
+            at: Interval::ZERO,
+            slopes: vec![Interval::ZERO; params],
+        }
+    }
+
+    /// Adds a multiple of another function, seen from the same corner.
+    pub fn add(&mut self, factor: Interval, other: &FromCorner) {
+        self.at += factor * other.at;
+        for (own, other) in self.slopes.iter_mut().zip(&other.slopes) {
+            *own += factor * *other;
+        }
+    }
+
+    fn hull(&mut self, other: &FromCorner) {
+        self.at = self.at.hull(other.at);
+        for (own, other) in self.slopes.iter_mut().zip(&other.slopes) {
+            *own = own.hull(*other);
+        }
+    }
+}
+
+/// Bounds from the corner of all lower ends, and from that of all upper ends.
+pub type FromCorners = [FromCorner; 2];
+
+/// A function with its derivatives in the parameters.
+#[derive(Debug, Clone)]
+struct Function {
+    value: Tape,
+    /// Parameters it depends on, and its derivatives in these.
+    params: Vec<usize>,
+    slopes: Tape,
+}
+
+impl Function {
+    fn compile(graph: &mut Graph, layout: Layout, e: ExprId) -> Function {
+        let variables = graph.variables(e).into_iter();
+        let params = variables.filter_map(|var| match var {
+            Var::Param(param) => Some(param),
+            _ => None,
+        });
+        let params: Vec<usize> = params.collect();
+        let slopes = params.iter();
+        let slopes = slopes.map(|param| graph.derivative(e, Var::Param(*param)));
+        let slopes: Vec<ExprId> = slopes.collect();
+        Function {
+            value: Tape::compile(graph, layout, &[e]),
+            params,
+            slopes: Tape::compile(graph, layout, &slopes),
+        }
+    }
+
+    /// Nothing where it is not defined and continuous on all of the box.
+    fn from_corners(&self, layout: Layout, quantities: &[Interval]) -> Option<FromCorners> {
+        let first = layout.states;
+        let whole = &quantities[first..first + layout.params];
+        // The box of parameters on which the slope in one of them is asked for, or none for the value at the corner.
+        let variant = |upper: bool, slope: Option<usize>| {
+            let mut box_ = quantities.to_vec();
+            for (param, x) in whole.iter().enumerate() {
+                if slope.is_none_or(|slope| param > slope) {
+                    let end = if upper { x.hi() } else { x.lo() };
+                    box_[first + param] = Interval::point(end);
+                }
+            }
+            box_
+        };
+        let sides = [false, true];
+        let all = sides.into_iter().flat_map(|upper| {
+            let slopes = self.params.iter().map(|param| Some(*param));
+            std::iter::once(None)
+                .chain(slopes)
+                .map(move |slope| (upper, slope))
+        });
+        let all: Vec<(bool, Option<usize>)> = all.collect();
+        let mut both = [
+            FromCorner::zero(layout.params),
+            FromCorner::zero(layout.params),
+        ];
+        let (mut value, mut slopes) = (self.value.registers(), self.slopes.registers());
+        for part in all.chunks(LANES) {
+            let boxes: Vec<Vec<Interval>> = part
+                .iter()
+                .map(|(upper, slope)| variant(*upper, *slope))
+                .collect();
+            let lane = |quantity: usize| {
+                Interval8::from_fn(|lane| boxes.get(lane).unwrap_or(&boxes[0])[quantity])
+            };
+            let eight: Vec<Interval8> = (0..quantities.len()).map(lane).collect();
+            let is_continuous = self.value.eval(&eight, &mut value).is_continuous();
+            let are_defined = self.slopes.eval(&eight, &mut slopes).is_defined();
+            for (lane, (upper, slope)) in part.iter().enumerate() {
+                if !(is_continuous & are_defined).get(lane) {
+                    return None;
+                }
+                let own = &mut both[usize::from(*upper)];
+                match slope {
+                    None => own.at = self.value.output(0, &value).get(lane),
+                    Some(param) => {
+                        let position = self.params.iter().position(|own| own == param)?;
+                        own.slopes[*param] = self.slopes.output(position, &slopes).get(lane);
+                    }
+                }
+            }
+        }
+        let bounded = |own: &FromCorner| {
+            own.at.is_bounded() && own.slopes.iter().all(|slope| slope.is_bounded())
+        };
+        both.iter().all(bounded).then_some(both)
+    }
+}
+
+/// The equation of a rate, `w' = A(p) w + r`, with `x' = w`.
+///
+/// ```
+/// use veribound_flow::ModeSet;
+/// use veribound_flow::balance::{Balance, FromCorner};
+/// use veribound_interval::Interval;
+///
+/// let text = r#"
+///     format = 1
+///     states = ["x", "w"]
+///     inputs = ["u"]
+///     init = { x = 0, w = 0 }
+///     params = { a = [-2, -1], b = [3, 5] }
+///     der = { x = "w", w = "a*w + b*u" }
+///     outputs.y = "x +- 0.1"
+/// "#;
+/// let model = veribound_model::Model::from_text("m.toml", text)?;
+/// let [balance] = &Balance::of(&model)[..] else { panic!("one state is the integral of another one") };
+/// assert_eq!((balance.state(), balance.rate()), (0, 1));
+/// let mut one = ModeSet::EMPTY;
+/// one.insert(0);
+/// let params = [Interval::new(-2.0, -1.0).unwrap(), Interval::new(3.0, 5.0).unwrap()];
+/// let states = [Interval::ENTIRE, Interval::new(0.0, 1.0).unwrap()];
+/// let inputs = [Interval::point(0.5)];
+/// // `b u` from b = 3 on, whatever the states are.
+/// let [low, _]: [FromCorner; 2] = balance.rest((&states, &params, &inputs), one).unwrap();
+/// assert_eq!((low.at, low.slopes[1]), (Interval::point(1.5), Interval::point(0.5)));
+/// let [low, _] = balance.factor(&params).unwrap();
+/// assert_eq!((low.at, low.slopes[0]), (Interval::point(-2.0), Interval::ONE));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Balance {
+    layout: Layout,
+    state: usize,
+    rate: usize,
+    factor: Function,
+    /// `r` of every mode that governs the rate.
+    rests: Vec<(usize, Function)>,
+}
+
+impl Balance {
+    /// The balances of a model: one for every state that is the integral of another one, of which neither jumps.
+    pub fn of(model: &Model) -> Vec<Balance> {
+        let mut graph = model.graph.clone();
+        let system = System::new(model);
+        let pairs = system.integrals().iter();
+        let pairs = pairs.filter(|pair| !model.jumps_in(pair.rate));
+        pairs
+            .map(|pair| Balance::compile(&mut graph, model, (pair.state, pair.rate)))
+            .collect()
+    }
+
+    fn compile(graph: &mut Graph, model: &Model, (state, rate): (usize, usize)) -> Balance {
+        let layout = model.layout();
+        let zero = graph.integer(0);
+        let modes: Vec<(usize, ExprId)> = model.governing(rate).collect();
+        let slopes: Vec<ExprId> = modes
+            .iter()
+            .map(|(_, rhs)| graph.derivative(*rhs, Var::State(rate)))
+            .collect();
+        let is_constant = |e: &&ExprId| {
+            let mut variables = graph.variables(**e).into_iter();
+            **e != zero && variables.all(|var| matches!(var, Var::Param(_)))
+        };
+        let factor = slopes.iter().find(is_constant).copied().unwrap_or(zero);
+        let own = graph.var(Var::State(rate));
+        let rests = modes.iter().zip(slopes).map(|((mode, rhs), slope)| {
+            let rest = if slope == factor {
+                graph.substitute(*rhs, &|var| (var == Var::State(rate)).then_some(zero))
+            } else {
+                let product = graph.mul(factor, own);
+                graph.sub(*rhs, product)
+            };
+            // Where a mode acts, the states that its guard demands to be on a level are there.
+            let mut levels = Vec::new();
+            demanded_equalities(graph, &model.modes[*mode].guard, &mut levels);
+            let rest = put_levels(graph, rest, &levels);
+            (*mode, Function::compile(graph, layout, rest))
+        });
+        Balance {
+            layout,
+            state,
+            rate,
+            rests: rests.collect(),
+            factor: Function::compile(graph, layout, factor),
+        }
+    }
+
+    /// The state `x`.
+    pub fn state(&self) -> usize {
+        self.state
+    }
+
+    /// Its rate `w`.
+    pub fn rate(&self) -> usize {
+        self.rate
+    }
+
+    /// Bounds of `A`; nothing where it is not defined and continuous.
+    pub fn factor(&self, params: &[Interval]) -> Option<FromCorners> {
+        let mut quantities = vec![Interval::ENTIRE; self.layout.len()];
+        quantities[self.layout.states..][..params.len()].copy_from_slice(params);
+        self.factor.from_corners(self.layout, &quantities)
+    }
+
+    /// Bounds of `r` while states, parameters and inputs are in these boxes, and no other modes than these act; nothing where it is
+    /// not defined and continuous.
+    pub fn rest(
+        &self,
+        (states, params, inputs): (&[Interval], &[Interval], &[Interval]),
+        modes: ModeSet,
+    ) -> Option<FromCorners> {
+        let quantities = [states, params, inputs].concat();
+        let possible = self.rests.iter().filter(|(mode, _)| modes.contains(*mode));
+        let mut hull: Option<FromCorners> = None;
+        for (_, rest) in possible {
+            let own = rest.from_corners(self.layout, &quantities)?;
+            match &mut hull {
+                Some(hull) => hull.iter_mut().zip(&own).for_each(|(a, b)| a.hull(b)),
+                None => hull = Some(own),
+            }
+        }
+        hull
+    }
+}
