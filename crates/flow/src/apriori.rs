@@ -64,7 +64,7 @@ pub(crate) struct Apriori {
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Candidate {
     pub(crate) velocity: Vec<Interval8>,
-    modes: ModeMasks,
+    pub(crate) modes: ModeMasks,
     flowing: Vec<Interval8>,
     clipped: Vec<Interval8>,
 }

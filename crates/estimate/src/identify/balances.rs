@@ -222,7 +222,11 @@ impl Track {
             let mut ends = states[k].clone();
             let inputs = &course.instants[k].inputs;
             let dt = stretch.dt;
-            let Ok(report) = system.step(&mut ends, &params, inputs, dt, &mut workspace) else {
+            let moved = system.step(&mut ends, &params, inputs, dt, &mut workspace);
+            let acting = moved
+                .ok()
+                .and_then(|_| system.modes_in_tube(&mut workspace));
+            let Some(modes) = acting else {
                 self.stretches.push(None);
                 continue;
             };
@@ -237,7 +241,7 @@ impl Track {
                 bend: workspace.velocity()[rate],
                 tube,
                 inputs: inputs.clone(),
-                modes: report.modes_during,
+                modes,
                 phase,
             }));
         }
