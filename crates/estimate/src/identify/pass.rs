@@ -48,7 +48,7 @@ const ROUGHLY: usize = 8;
 const ASKS: usize = 64;
 
 /// Products of unknowns are unknowns, too, where there are no more than these.
-const MOST_CURVED: usize = 12;
+const MOST_CURVED: usize = 8;
 
 /// States are kept at so many samples of a pass at most.
 const ANCHORS: usize = 12;
