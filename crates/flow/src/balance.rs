@@ -106,7 +106,7 @@ impl Function {
     }
 
     /// Nothing where it is not defined and continuous on all of the box.
-    fn from_corners(&self, layout: Layout, quantities: &[Interval]) -> Option<FromCorners> {
+    fn bounds(&self, layout: Layout, quantities: &[Interval]) -> Option<FromCorners> {
         let first = layout.states;
         let whole = &quantities[first..first + layout.params];
         // The box of parameters on which the slope in one of them is asked for, or none for the value at the corner.
@@ -268,7 +268,7 @@ impl Balance {
     pub fn factor(&self, params: &[Interval]) -> Option<FromCorners> {
         let mut quantities = vec![Interval::ENTIRE; self.layout.len()];
         quantities[self.layout.states..][..params.len()].copy_from_slice(params);
-        self.factor.from_corners(self.layout, &quantities)
+        self.factor.bounds(self.layout, &quantities)
     }
 
     /// Bounds of `r` while states, parameters and inputs are in these boxes, and no other modes than these act; nothing where it is
@@ -282,7 +282,7 @@ impl Balance {
         let possible = self.rests.iter().filter(|(mode, _)| modes.contains(*mode));
         let mut hull: Option<FromCorners> = None;
         for (_, rest) in possible {
-            let own = rest.from_corners(self.layout, &quantities)?;
+            let own = rest.bounds(self.layout, &quantities)?;
             match &mut hull {
                 Some(hull) => hull.iter_mut().zip(&own).for_each(|(a, b)| a.hull(b)),
                 None => hull = Some(own),
