@@ -76,6 +76,8 @@ impl FromCorner {
 }
 
 /// Bounds from the corner of all lower ends, and from that of all upper ends.
+///
+/// Example: [`Balance`].
 pub type FromCorners = [FromCorner; 2];
 
 /// A function with its derivatives in the parameters.
@@ -182,7 +184,8 @@ impl Function {
 ///     outputs.y = "x +- 0.1"
 /// "#;
 /// let model = veribound_model::Model::from_text("m.toml", text)?;
-/// let [balance] = &Balance::of(&model)[..] else { panic!("one state is the integral of another one") };
+/// let balances = Balance::of(&model);
+/// let balance = &balances[0];
 /// assert_eq!((balance.state(), balance.rate()), (0, 1));
 /// let mut one = ModeSet::EMPTY;
 /// one.insert(0);
