@@ -537,11 +537,10 @@ impl<'a> Journey<'a> {
 
     /// One step of whatever kind is possible.
     fn step_on(&mut self) -> Result<(), Obstacle> {
-        if let Some(ahead) = self.ahead.take() {
-            match self.go_ahead(ahead) {
-                Ok(()) => return Ok(()),
-                Err(acting) => self.acting = acting,
-            }
+        if let Some(ahead) = self.ahead.take()
+            && self.go_ahead(ahead)
+        {
+            return Ok(());
         }
         if let Some(creep) = self.creep.take()
             && self.creep_on(creep).is_some()

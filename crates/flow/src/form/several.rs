@@ -119,9 +119,9 @@ impl Journey<'_> {
         Ok(())
     }
 
-    /// Goes to the end of the stretch at hand by a step that was prepared before it; if that is not possible, gives what
-    /// acted, where it still does.
-    pub(super) fn go_ahead(&mut self, ahead: Ahead) -> Result<(), Option<Acting>> {
+    /// Goes to the end of the stretch at hand by a step that was prepared before it, and says whether it did; if not, what
+    /// acted goes on to act, where it still does.
+    pub(super) fn go_ahead(&mut self, ahead: Ahead) -> bool {
         let stretch = &self.stretches[self.current];
         let before = self.current.checked_sub(1);
         let same = before.is_some_and(|before| self.stretches[before].inputs == stretch.inputs);
@@ -144,10 +144,11 @@ impl Journey<'_> {
         if arrived.is_none() {
             let acting = ahead.acting;
             let is_over = acting.regime.has_kinks || acting.depends_on_inputs();
-            return Err((!is_over).then_some(acting));
+            self.acting = (!is_over).then_some(acting);
+            return false;
         }
         self.keep_going((ahead.acting, ahead.prepared), ahead.origin, since);
-        Ok(())
+        true
     }
 
     /// The form has arrived at the end of a stretch.
