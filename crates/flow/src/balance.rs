@@ -76,6 +76,8 @@ impl FromCorner {
 }
 
 /// Bounds from the corner of all lower ends, and from that of all upper ends.
+///
+/// Example: [`Balance`].
 pub type FromCorners = [FromCorner; 2];
 
 /// A function with its derivatives in the parameters.
@@ -106,7 +108,7 @@ impl Function {
     }
 
     /// Nothing where it is not defined and continuous on all of the box.
-    fn from_corners(&self, layout: Layout, quantities: &[Interval]) -> Option<FromCorners> {
+    fn bounds(&self, layout: Layout, quantities: &[Interval]) -> Option<FromCorners> {
         let first = layout.states;
         let whole = &quantities[first..first + layout.params];
         // The box of parameters on which the slope in one of them is asked for, or none for the value at the corner.
@@ -182,7 +184,8 @@ impl Function {
 ///     outputs.y = "x +- 0.1"
 /// "#;
 /// let model = veribound_model::Model::from_text("m.toml", text)?;
-/// let [balance] = &Balance::of(&model)[..] else { panic!("one state is the integral of another one") };
+/// let balances = Balance::of(&model);
+/// let balance = &balances[0];
 /// assert_eq!((balance.state(), balance.rate()), (0, 1));
 /// let mut one = ModeSet::EMPTY;
 /// one.insert(0);
@@ -268,7 +271,7 @@ impl Balance {
     pub fn factor(&self, params: &[Interval]) -> Option<FromCorners> {
         let mut quantities = vec![Interval::ENTIRE; self.layout.len()];
         quantities[self.layout.states..][..params.len()].copy_from_slice(params);
-        self.factor.from_corners(self.layout, &quantities)
+        self.factor.bounds(self.layout, &quantities)
     }
 
     /// Bounds of `r` while states, parameters and inputs are in these boxes, and no other modes than these act; nothing where it is
@@ -282,7 +285,7 @@ impl Balance {
         let possible = self.rests.iter().filter(|(mode, _)| modes.contains(*mode));
         let mut hull: Option<FromCorners> = None;
         for (_, rest) in possible {
-            let own = rest.from_corners(self.layout, &quantities)?;
+            let own = rest.bounds(self.layout, &quantities)?;
             match &mut hull {
                 Some(hull) => hull.iter_mut().zip(&own).for_each(|(a, b)| a.hull(b)),
                 None => hull = Some(own),

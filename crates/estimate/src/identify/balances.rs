@@ -355,7 +355,8 @@ impl Track {
                         let middle = middle + slopes.iter().sum::<f64>();
                         let largest = slopes.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
                         let sum: f64 = slopes.iter().map(|x| x.abs()).sum();
-                        if !(sum > 0.0) || middle > NEARLY * sum {
+                        let may_cut = sum > 0.0 && middle <= NEARLY * sum;
+                        if !may_cut {
                             continue;
                         }
                         let mut direction: Vec<i8> = slopes

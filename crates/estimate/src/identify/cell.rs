@@ -379,12 +379,18 @@ impl Problem {
             };
             *passes += 1;
             let known = known_of.map(|known| &known[record]);
-            let wanted = known
+            let wanted: BTreeSet<usize> = known
                 .iter()
                 .flat_map(|known| known.keys().copied())
                 .collect();
             let set = self.set(record, rows, known_of.is_none());
-            let passed = pass(self, course, span, set, wanted);
+            let known = known.filter(|_| self.balances.is_none());
+            let mut passed = pass(self, course, span, set.clone(), wanted.clone());
+            if passed.conflict.is_none() && passed.reached < until && known.is_some() {
+                let aim = Aim::Windows;
+                *passes += 1;
+                passed = pass(self, course, Span { aim, ..span }, set, wanted);
+            }
             if let Some(conflict) = passed.conflict {
                 return Err(of_record(record, conflict));
             }
@@ -399,7 +405,7 @@ impl Problem {
                 record,
                 link: None,
             });
-            if let Some(known) = known.filter(|_| is_short && self.balances.is_none()) {
+            if let Some(known) = known.filter(|_| is_short) {
                 self.later_windows(&region, known, &mut windows, passes, go_on)?;
             }
             reached.push(windows.last().map_or(until, |last| last.passed.reached));

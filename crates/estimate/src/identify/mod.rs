@@ -232,9 +232,11 @@ fn balanced(
         for (quantity, x) in box_.iter_mut().enumerate() {
             *x = x.intersect(cell.outer(quantity));
         }
-        let mut shares = problem.params().map(|quantity| {
-            let whole = before[quantity].width();
-            whole == 0.0 || box_[quantity].width() > NARROWED * whole
+        let params = |list: &[Interval]| list.get(problem.params()).unwrap_or_default().to_vec();
+        let pairs = params(&before).into_iter().zip(params(&box_));
+        let mut shares = pairs.map(|(before, now)| {
+            let whole = before.width();
+            whole == 0.0 || now.width() > NARROWED * whole
         });
         if shares.all(|stays| stays) || !alive() {
             break;

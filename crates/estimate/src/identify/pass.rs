@@ -48,7 +48,7 @@ const ROUGHLY: usize = 8;
 const ASKS: usize = 64;
 
 /// Products of unknowns are unknowns, too, where there are no more than these.
-const MOST_CURVED: usize = 12;
+const MOST_CURVED: usize = 8;
 
 /// States are kept at so many samples of a pass at most.
 const ANCHORS: usize = 12;
@@ -71,6 +71,8 @@ pub(crate) struct Span<'a> {
 pub(crate) enum Aim {
     /// Proved bounds.
     Bounds,
+    /// The same, where passes do not come to the end of the record: what is quadratic is worth its unknowns there.
+    Windows,
     /// Points that are proved to agree: where any value of a parameter does, one is taken.
     Points,
     /// How what is measured depends on the unknowns, whether or not they agree with it; one value is taken as for
@@ -92,7 +94,7 @@ pub(crate) struct Set {
 impl Aim {
     /// Whether inputs have single values, too.
     pub(crate) fn is_for_points(self) -> bool {
-        self != Aim::Bounds
+        !matches!(self, Aim::Bounds | Aim::Windows)
     }
 }
 
@@ -186,7 +188,7 @@ pub(crate) fn pass(
     // Rows of outliers, and of factors, are made of slopes alone.
     let is_straight = set.factor.is_some() || problem.outliers.iter().any(Option::is_some);
     let unknowns = form.scales().len();
-    let products = if span.aim == Aim::Bounds && !is_straight && unknowns <= MOST_CURVED {
+    let products = if span.aim == Aim::Windows && !is_straight && unknowns <= MOST_CURVED {
         form.products()
     } else {
         Vec::new()

@@ -116,7 +116,7 @@ impl Problem {
             let span = Span {
                 from,
                 until,
-                aim: Aim::Bounds,
+                aim: Aim::Windows,
                 go_on,
             };
             *passes += 1;

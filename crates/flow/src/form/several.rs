@@ -19,6 +19,9 @@ use veribound_interval::Interval;
 /// So many stretches at most.
 const MOST: usize = 32;
 
+/// Samples are told with what the whole step neglects: not more than this share of a state's width.
+const NEGLIGIBLE: f64 = 1e-4;
+
 /// Where a step over several is not certain, it is tried again after so many stretches at most.
 const PATIENCE: usize = 64;
 
@@ -92,8 +95,13 @@ impl Journey<'_> {
             let watches = (&acting.regime.watches[..], &steady[..]);
             let (scratch, monomials) = (&acting.scratch, &self.form.monomials);
             let span = prepared.bounds.span;
+            let neglected = prepared.bounds.deviation.iter().zip(&self.form.states);
+            let mut neglected = neglected.map(|(off, polynomial)| {
+                let width: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
+                *off <= NEGLIGIBLE * width
+            });
             let trouble = |span| acting.piece.trouble(scratch, monomials, watches, span);
-            prepared.covers(self.left) && trouble(span).is_none()
+            prepared.covers(self.left) && neglected.all(|small| small) && trouble(span).is_none()
         });
         match &prepared {
             Some(prepared) => {
