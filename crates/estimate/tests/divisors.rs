@@ -20,6 +20,9 @@ use veribound_model::Sample;
 /// How far the solution in floating point may be from the exact one.
 const SLACK: f64 = 1e-7;
 
+/// An output of state, parameters and input.
+type Output = fn(&[f64], &[f64], f64) -> f64;
+
 /// How a state goes on over a time.
 enum Flow {
     Smooth(Rate),
@@ -34,7 +37,7 @@ struct Family {
     tail: &'static str,
     params: &'static [(&'static str, f64, f64)],
     start: &'static [(&'static str, f64, f64)],
-    outputs: &'static [(fn(&[f64], &[f64], f64) -> f64, f64)],
+    outputs: &'static [(Output, f64)],
     /// The largest input; none where there is none.
     input: f64,
     dt: f64,
