@@ -171,7 +171,7 @@ impl Function {
 ///
 /// ```
 /// use veribound_flow::ModeSet;
-/// use veribound_flow::balance::{Balance, FromCorner};
+/// use veribound_flow::balance::{Balance, FromCorner, FromCorners};
 /// use veribound_interval::Interval;
 ///
 /// let text = r#"
@@ -193,7 +193,8 @@ impl Function {
 /// let states = [Interval::ENTIRE, Interval::new(0.0, 1.0).unwrap()];
 /// let inputs = [Interval::point(0.5)];
 /// // `b u` from b = 3 on, whatever the states are.
-/// let [low, _]: [FromCorner; 2] = balance.rest((&states, &params, &inputs), one).unwrap();
+/// let rest: FromCorners = balance.rest((&states, &params, &inputs), one).unwrap();
+/// let low: &FromCorner = &rest[0];
 /// assert_eq!((low.at, low.slopes[1]), (Interval::point(1.5), Interval::point(0.5)));
 /// let [low, _] = balance.factor(&params).unwrap();
 /// assert_eq!((low.at, low.slopes[0]), (Interval::point(-2.0), Interval::ONE));

@@ -15,7 +15,16 @@ const MOST_TERMS: usize = 64;
 
 /// What a parameter of a model is, in parameters of [`Model::with_ratios`]: `over / under`, or `1 / under`.
 ///
-/// Example: [`Model::with_ratios`].
+/// ```
+/// use veribound_model::{Model, Ratio};
+///
+/// let text = "format = 1\nstates = [\"x\"]\ninit.x = 0\nparams = { m = [1, 4], k = [2, 8] }
+///     der.x = \"1 - k*x/m\"\noutputs.y = \"x +- 0.01\"";
+/// let (_, ratios) = Model::from_text("decay.toml", text)?.with_ratios();
+/// // `k` is the new second parameter `k/m` over the new first one, `1/m`.
+/// assert_eq!(ratios[1], Some(Ratio { over: Some(1), under: 0 }));
+/// # Ok::<(), veribound_model::Diagnostics>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Ratio {
     /// The parameter above, if there is one.
