@@ -220,6 +220,14 @@ struct Motor {
 }
 
 impl Motor {
+    fn draw(rng: &mut Rng) -> Motor {
+        Motor {
+            alpha: rng.between(-4.0, -0.5),
+            beta: rng.between(50.0, 300.0),
+            level: rng.between(0.02, 0.25),
+        }
+    }
+
     fn step(&self, mut x: f64, mut v: f64, u: f64, h: f64) -> (f64, f64) {
         let mut left = h;
         while left > 0.0 {
@@ -368,11 +376,7 @@ fn the_truth_of_motors_is_never_lost() {
     for round in 0..rounds {
         let tells_rest = round % 2 == 1;
         let model = &models[usize::from(tells_rest)];
-        let motor = Motor {
-            alpha: rng.between(-4.0, -0.5),
-            beta: rng.between(50.0, 300.0),
-            level: rng.between(0.02, 0.25),
-        };
+        let motor = Motor::draw(&mut rng);
         let count = 150 + rng.below(500);
         let record = motor_record(&mut rng, &motor, count, tells_rest);
         let options = IdentifyOptions {
@@ -410,11 +414,7 @@ fn the_truth_of_masses_is_never_lost() {
     let mut rng = Rng(number("VERIBOUND_SEED", 23));
     let (mut narrowed, mut proved, rounds) = (0, 0, number("VERIBOUND_ROUNDS", 3));
     for _ in 0..rounds {
-        let motor = Motor {
-            alpha: rng.between(-4.0, -0.5),
-            beta: rng.between(50.0, 300.0),
-            level: rng.between(0.02, 0.25),
-        };
+        let motor = Motor::draw(&mut rng);
         let count = 150 + rng.below(350);
         let record = motor_record(&mut rng, &motor, count, false);
         let options = IdentifyOptions {

@@ -11,6 +11,7 @@ mod common;
 
 use common::hybrid::{Events, Sim};
 use common::jumping::{ALL, Jumping};
+use common::stem::VALVE;
 use common::{Rng, Trials, interval, number, read};
 use veribound_flow::form::{Effort, Flow, FormOptions, Stretch};
 use veribound_interval::Interval;
@@ -114,11 +115,7 @@ fn no_form_loses_a_solution_that_jumps() {
 /// the stop must not keep images of jumps from closing, or steps become ever shorter.
 #[test]
 fn what_stands_on_a_stop_takes_no_more_steps() {
-    let text = "format = 1\nstates = [\"x\", \"v\"]\ninputs = [\"p\"]\n[init]\nx = 0\nv = 0\n[params]\nc = [30, 90]\nFc = [0, 3]\n\
-        [let]\ndrive = \"p - 100*x - c*v\"\n[der]\nx = \"v\"\nv = \"drive - friction(v, drive, Fc)\"\n[jumps]\n\
-        closed = { when = \"x <= 0 and v < 0\", set = { v = \"0\" } }\nopen = { when = \"x >= 0.05 and v > 0\", set = { v = \"0\" } }\n\
-        [outputs]\nstem = \"x +- 0.0003\"\n";
-    let flow = Flow::new(&read("valve", text));
+    let flow = Flow::new(&read("valve", VALVE));
     let stretches = (0..60).map(|k: i32| Stretch {
         inputs: vec![Interval::point(f64::from(k.min(59 - k)) / 3.0)],
         dt: Interval::point(0.1),

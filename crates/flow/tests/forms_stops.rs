@@ -10,7 +10,7 @@
 
 mod common;
 
-use common::stem::{Stem, Way};
+use common::stem::{Stem, VALVE, Way};
 use common::{Rng, Trials, interval, number, read};
 use veribound_flow::form::{Effort, Flow, FormOptions, Stretch};
 use veribound_interval::Interval;
@@ -108,11 +108,7 @@ fn levels(rng: &mut Rng, dt: f64, (lo, hi): (f64, f64)) -> Vec<(f64, f64)> {
 
 #[test]
 fn valves_rest_on_their_stops() {
-    let text = "format = 1\nstates = [\"x\", \"v\"]\ninputs = [\"p\"]\n[init]\nx = 0\nv = 0\n[params]\nc = [30, 90]\nFc = [0, 3]\n\
-        [let]\ndrive = \"p - 100*x - c*v\"\n[der]\nx = \"v\"\nv = \"drive - friction(v, drive, Fc)\"\n[jumps]\n\
-        closed = { when = \"x <= 0 and v < 0\", set = { v = \"0\" } }\nopen = { when = \"x >= 0.05 and v > 0\", set = { v = \"0\" } }\n\
-        [outputs]\nstem = \"x +- 0.0003\"\n";
-    let flow = Flow::new(&read("valve", text));
+    let flow = Flow::new(&read("valve", VALVE));
     let first = number("VERIBOUND_SEED", 0);
     let (mut trials, mut proved, mut stops, mut back) = (Trials::default(), 0, 0, 0);
     for seed in first..first + number("VERIBOUND_ROUNDS", 40) {

@@ -706,12 +706,7 @@ impl<'a> Journey<'a> {
         if prepared.last {
             self.left = Interval::ZERO;
         }
-        let reached = if prepared.last {
-            span.max(self.form.step / unit)
-        } else {
-            2.0 * span
-        };
-        self.form.step = unit * reached;
+        self.form.step = prepared.next_step(self.form.step);
         self.form.signs.clone_from(&acting.regime.signs);
         if acting.regime.has_kinks && !self.flow.is_smooth() {
             // They may have been left behind.

@@ -176,15 +176,6 @@ pub(super) struct Velocity {
     pub(super) held: Vec<Interval>,
 }
 
-/// The surfaces that are held.
-fn held(decisions: &[Decision]) -> Vec<usize> {
-    let held = decisions.iter().filter_map(|decision| match decision {
-        Decision::Mode(_) => None,
-        Decision::Hold(hold) => Some(hold.surface),
-    });
-    held.collect()
-}
-
 /// How a group is decided.
 enum Decision {
     Mode(usize),
@@ -199,6 +190,15 @@ struct Hold {
     above: Vec<usize>,
     /// All that act on the surface.
     all: Vec<usize>,
+}
+
+/// The surfaces that are held.
+fn held(decisions: &[Decision]) -> Vec<usize> {
+    let held = decisions.iter().filter_map(|decision| match decision {
+        Decision::Mode(_) => None,
+        Decision::Hold(hold) => Some(hold.surface),
+    });
+    held.collect()
 }
 
 impl Switching {

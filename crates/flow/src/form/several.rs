@@ -163,13 +163,7 @@ impl Journey<'_> {
     fn keep_going(&mut self, step: (Acting, Prepared), origin: Form, since: Interval) {
         let (acting, prepared) = step;
         self.left = Interval::ZERO;
-        let (unit, span) = (prepared.unit, prepared.bounds.span);
-        let further = if prepared.last {
-            span.max(origin.step / unit)
-        } else {
-            2.0 * span
-        };
-        self.form.step = unit * further;
+        self.form.step = prepared.next_step(origin.step);
         self.form.signs.clone_from(&acting.regime.signs);
         self.ahead = Some(Ahead {
             acting,

@@ -95,6 +95,19 @@ pub(super) struct Prepared {
     pub(super) last: bool,
 }
 
+impl Prepared {
+    /// How long the next step should be, where this one was tried with that length.
+    pub(super) fn next_step(&self, tried: f64) -> f64 {
+        let span = self.bounds.span;
+        let reached = if self.last {
+            span.max(tried / self.unit)
+        } else {
+            2.0 * span
+        };
+        self.unit * reached
+    }
+}
+
 /// When a step ends, in scaled time.
 pub(super) enum End {
     /// At one time for all solutions, known up to `off` seconds.

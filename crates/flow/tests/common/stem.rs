@@ -1,5 +1,11 @@
 //! Exact solutions of what jumps in the examples: a stem with stiction between two stops, and a ball.
 
+/// A valve whose stem has a spring of 100 and room for 0.05.
+pub const VALVE: &str = "format = 1\nstates = [\"x\", \"v\"]\ninputs = [\"p\"]\n[init]\nx = 0\nv = 0\n[params]\nc = [30, 90]\nFc = [0, 3]\n\
+    [let]\ndrive = \"p - 100*x - c*v\"\n[der]\nx = \"v\"\nv = \"drive - friction(v, drive, Fc)\"\n[jumps]\n\
+    closed = { when = \"x <= 0 and v < 0\", set = { v = \"0\" } }\nopen = { when = \"x >= 0.05 and v > 0\", set = { v = \"0\" } }\n\
+    [outputs]\nstem = \"x +- 0.0003\"\n";
+
 /// Parameters of a stem: `x'' = p - k x - c x' - Fc Sgn(x')`, held by stops at both ends of `room`.
 ///
 /// Roots of the characteristic equation have to be real: `c^2 > 4 k`.
