@@ -22,6 +22,9 @@ use serde::{Deserialize, Serialize};
 use veribound_flow::form::Parallelotope;
 use veribound_interval::Interval;
 
+/// What is known of a quantity says something where it is no more than this share of what a region says.
+const TOLD: f64 = 0.999;
+
 /// A round that leaves more than this share of every axis was not worth it.
 const WORTHWHILE: f64 = 0.8;
 
@@ -40,8 +43,9 @@ const ROUNDS: usize = 30;
 /// A turned region is taken when its volume is smaller by this factor.
 const SMALLER: f64 = 0.5;
 
-/// A box around it may be wider by this factor.
+/// A box around it may be wider by this factor, and by so much where nothing else brings more.
 const WIDER: f64 = 1.3;
+const WIDEST: f64 = 2.5;
 
 /// Proved points keep so far from the border of the unit box.
 pub(crate) const BORDER: f64 = 1e-6;
@@ -63,6 +67,9 @@ const MARGIN: f64 = 1e-3;
 /// takes steps so many times as long where they succeed or would bring too little, until this,
 const LONGER: f64 = 4.0;
 const FARTHEST: f64 = 1024.0;
+
+/// keeps inside by more, so many times what a step came nearer to the border than it was to, where one came outside,
+const CURVED: f64 = 1.5;
 
 /// may be outside by this share on its way, and has arrived when a step brought no more than this share of it.
 const ASTRAY: f64 = 0.1;
@@ -93,6 +100,15 @@ pub(crate) struct Cell {
     pub(crate) junctions: Vec<Junctions>,
     /// The deepest point of all windows, where there are any.
     pub(crate) deep: Option<Deepest>,
+}
+
+/// What is known of the solutions of a region that agree with all records, if anything.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Known {
+    /// For every record the states at samples.
+    pub(crate) states: Vec<Junctions>,
+    /// The quantities of the region.
+    pub(crate) quantities: Vec<Interval>,
 }
 
 /// A conflict, and the record it is in.
@@ -141,18 +157,29 @@ impl Problem {
     /// Narrows a region round by round, until samples tell no more of it; the region may be turned where that is
     /// allowed.
     ///
-    /// Guarantee: all start values and parameters of the region that agree with all records, on ways through the states
-    /// that are `known`, are in the part of the cell; a clash proves that there are none.
+    /// Guarantee: all start values and parameters of the region that agree with all records, as what is `known` of
+    /// these says, are in the part of the cell; a clash proves that there are none.
     pub(crate) fn refine(
         &self,
         mut region: Region,
-        mut known: Vec<Junctions>,
+        known: Known,
         may_turn: bool,
         go_on: &GoOn<'_>,
     ) -> Result<Cell, Clash> {
         let mut passes = 0;
+        let Known {
+            states: mut known,
+            quantities,
+        } = known;
         known.resize(self.courses.len(), Junctions::new());
+        let hull = region.hull().into_iter();
+        let mut within: Vec<Interval> = match quantities.is_empty() {
+            true => hull.collect(),
+            false => hull.zip(quantities).map(|(a, b)| a.intersect(b)).collect(),
+        };
         let mut together = FIRST;
+        // What to go back to where a region that was turned at last brings no more, and how large that is.
+        let mut upright: Option<(Cell, f64)> = None;
         for round in 1.. {
             let clash = |(record, conflict), passes| Clash {
                 record,
@@ -164,7 +191,7 @@ impl Problem {
             let is_last = round >= ROUNDS || !go_on();
             let own = seen.windows.iter().map(Window::own).sum();
             (region, known) = loop {
-                let told = self.told(&seen, together);
+                let told = self.told(&seen, &within, together);
                 let (mut cell, shrunk) = told.map_err(|found| clash(found, passes))?;
                 let (next, turned) = cell.smaller(may_turn);
                 let has_ended = own == 0 && self.ends(&seen.reached);
@@ -175,6 +202,7 @@ impl Problem {
                     WORTHWHILE
                 };
                 let brings = shrunk <= most || turned;
+                cell.narrow(&mut within);
                 // More windows together tell more, and take longer.
                 if !brings && !is_last && together < MOST.min(own) {
                     together *= MORE;
@@ -183,12 +211,23 @@ impl Problem {
                 let states = junctions(&seen.windows, &cell.part);
                 cell.junctions = states.map_err(|found| clash(found, passes))?;
                 cell.junctions.resize(self.courses.len(), Junctions::new());
+                if let Some((before, size)) = upright.take()
+                    && size_of(&within) > WORTHWHILE * size
+                {
+                    return Ok(Cell { passes, ..before });
+                }
                 let states = widths(&cell.junctions).into_iter().zip(widths(&known));
                 let mut states = states.filter(|(now, before)| *now < WORTHWHILE * before);
-                if is_last || !brings && states.next().is_none() {
-                    return Ok(Cell { passes, ..cell });
+                if !is_last && (brings || states.next().is_some()) {
+                    break (next, cell.junctions);
                 }
-                break (next, cell.junctions);
+                let turns = may_turn && !is_last && own > 0;
+                let Some(turned) = cell.compact(WIDEST).filter(|_| turns) else {
+                    return Ok(Cell { passes, ..cell });
+                };
+                let states = cell.junctions.clone();
+                upright = Some((cell, size_of(&within)));
+                break (turned, states);
             };
         }
         unreachable!("PROOF: the loop ends by returning")
@@ -213,7 +252,7 @@ impl Problem {
         let seen = self
             .passed(region.part(&part), &mut passes, None, go_on)
             .ok()?;
-        let (cell, _) = self.told(&seen, 0).ok()?;
+        let (cell, _) = self.told(&seen, &[], 0).ok()?;
         Some(Cell { passes, ..cell })
     }
 
@@ -269,7 +308,7 @@ impl Problem {
         let height = |at: &[f64]| sign * told.height(region, at);
         let mut best = point.to_vec();
         let mut at = point.to_vec();
-        let (mut trust, mut farthest) = (TRUST, FARTHEST);
+        let (mut trust, mut farthest, mut margin) = (TRUST, FARTHEST, MARGIN);
         let (_, mut rows) = self.linear(region, &at, go_on)?;
         for _ in 0..CLIMBS {
             let (mut step, mut is_near);
@@ -277,7 +316,7 @@ impl Problem {
             let direction = downward(&at);
             // What is far away is reached by a longer step, as far as rows let it go.
             loop {
-                step = highest(&rows, trust, &direction);
+                step = highest(&rows, margin, trust, &direction);
                 next = at.iter().zip(&step).map(|(x, by)| x + by).collect();
                 is_near = step.iter().all(|x| x.abs() < 0.9 * trust);
                 if is_near || trust >= farthest || height(&best) - height(&next) >= least {
@@ -300,7 +339,11 @@ impl Problem {
                             break;
                         }
                     }
-                    trust = farthest.min(LONGER * trust);
+                    if depth > 0.0 {
+                        trust = farthest.min(LONGER * trust);
+                    } else {
+                        margin = ASTRAY.min(CURVED * (margin - depth));
+                    }
                 }
                 None => {
                     trust *= 0.2;
@@ -424,15 +467,27 @@ impl Problem {
         })
     }
 
-    /// What passes say, windows with so many unknowns being looked at together; also tells the smallest share of an
-    /// axis that is left.
-    fn told(&self, seen: &Seen, together: usize) -> Result<(Cell, f64), (usize, Conflict)> {
+    /// What passes say, windows with so many unknowns being looked at together, of solutions whose quantities are
+    /// `within`, if that is known; also tells the smallest share of an axis that is left.
+    fn told(
+        &self,
+        seen: &Seen,
+        within: &[Interval],
+        together: usize,
+    ) -> Result<(Cell, f64), (usize, Conflict)> {
         let region = &seen.region;
         let Joined {
             mut rows,
             deepest: deep,
         } = joined(&seen.windows, region.axes(), together)?;
         self.believe(region, false, &mut rows);
+        let unit = vec![Interval::symmetric(1.0); region.axes()];
+        for (quantity, known) in within.iter().enumerate() {
+            let whole = region.range(quantity, &unit);
+            if whole.intersect(*known).width() < TOLD * whole.width() {
+                rows.push_outer(&region.axes[quantity], *known - region.offset(quantity));
+            }
+        }
         let balances = self.balances.as_ref().filter(|_| seen.is_for_all);
         let bends = balances.map(|balances| balances.tell(region, &mut rows));
         rows.prune();
@@ -486,12 +541,19 @@ impl Problem {
     }
 }
 
-/// About the unknowns, none farther than `trust`, that are least in a direction of those well inside of all rows.
-fn highest(rows: &Rows, trust: f64, direction: &[f64]) -> Vec<f64> {
+/// How large a box is, whatever the units of its quantities are: to be compared with parts of it.
+fn size_of(quantities: &[Interval]) -> f64 {
+    let widths = quantities.iter().map(|x| x.width());
+    widths.filter(|width| *width > 0.0).product()
+}
+
+/// About the unknowns, none farther than `trust`, that are least in a direction of those inside of all rows by a share of what
+/// each allows.
+fn highest(rows: &Rows, share: f64, trust: f64, direction: &[f64]) -> Vec<f64> {
     let mut inner = Rows::new(rows.unknowns());
     for row in 0..rows.len() {
         let outer = rows.outer(row);
-        let margin = outer.width() * MARGIN;
+        let margin = outer.width() * share;
         let inside = Interval::new(outer.lo() + margin, outer.hi() - margin);
         let inside = inside.unwrap_or(outer);
         inner.push(rows.slopes(row), Interval::ZERO, inside, 0, 0);
@@ -561,24 +623,40 @@ impl Cell {
             && self.deep.as_ref().is_none_or(|deep| deep.0.len() == axes)
     }
 
+    /// Narrows quantities to what is left.
+    fn narrow(&self, within: &mut [Interval]) {
+        for (quantity, known) in within.iter_mut().enumerate() {
+            let is_axis = self.region.axes[quantity].iter().filter(|x| **x != 0.0);
+            let left = match is_axis.count() {
+                0 | 1 => self.region.range(quantity, &self.part),
+                _ => self.outer(quantity),
+            };
+            let left = left.intersect(*known);
+            if !left.is_empty() {
+                *known = left;
+            }
+        }
+    }
+
     /// The region that is left, turned along its rows where that makes it much smaller.
     pub(crate) fn smaller(&self, may_turn: bool) -> (Region, bool) {
         let upright = self.region.part(&self.part);
-        match self.compact().filter(|_| may_turn) {
+        match self.compact(WIDER).filter(|_| may_turn) {
             Some(turned) => (turned, true),
             None => (upright, false),
         }
     }
 
     /// A parallelotope around what is left, if it is much smaller than the part of the region.
-    fn compact(&self) -> Option<Region> {
+    ///
+    /// A box around it is no wider than by a factor, since right-hand sides are asked on that.
+    fn compact(&self, wider: f64) -> Option<Region> {
         let turned = self.turned(SMALLER)?;
-        // A box around it must not be much larger, since right-hand sides are asked on that.
         let upright = self.region.part(&self.part).hull();
         let pairs = upright.iter().zip(turned.hull());
         let is_compact = pairs
             .into_iter()
-            .all(|(before, after)| after.width() <= WIDER * before.width());
+            .all(|(before, after)| after.width() <= wider * before.width());
         is_compact.then_some(turned)
     }
 
@@ -774,7 +852,7 @@ mod tests {
             [0.1, 0.0, 0.0, 1.0],
         ] {
             for trust in [1.0, 1e3, 1e6] {
-                let point = highest(&rows, trust, &direction);
+                let point = highest(&rows, MARGIN, trust, &direction);
                 for row in 0..rows.len() {
                     let value = rows.slopes(row).iter().zip(&point);
                     let value: f64 = value.map(|(g, x)| g * x).sum();

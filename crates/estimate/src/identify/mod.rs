@@ -27,7 +27,7 @@ pub use disturbance::least_disturbance;
 pub use frame::Frame;
 
 use balances::Balances;
-use cell::Clash;
+use cell::{Clash, Known};
 use pave::Paved;
 use problem::Problem;
 use region::Region;
@@ -228,7 +228,7 @@ fn balanced(
         let before = box_.clone();
         let seen = gross::narrow(problem, model, records, &mut box_, &alive)?;
         problem.balances = Some(Balances::of(model, problem, &seen, &box_));
-        let cell = problem.refine(Region::of_box(&box_), Vec::new(), false, &alive)?;
+        let cell = problem.refine(Region::of_box(&box_), Known::default(), false, &alive)?;
         for (quantity, x) in box_.iter_mut().enumerate() {
             *x = x.intersect(cell.outer(quantity));
         }

@@ -445,7 +445,12 @@ impl Meeter<'_> {
                 hold(form, state, *told);
             }
             if *quantity < self.problem.outputs {
-                let is_blurred = strip.remainder.width() > BLURRED * told.width();
+                let untold = if self.is_curved() {
+                    strip.rest
+                } else {
+                    strip.remainder
+                };
+                let is_blurred = untold.width() > BLURRED * told.width();
                 clear |= !is_blurred;
                 blurred |= is_blurred;
             }

@@ -14,7 +14,7 @@ use std::cmp::Ordering;
 use std::collections::{BTreeMap, BinaryHeap};
 
 use super::answer::{Progress, Reason, Status, Tile, Turned};
-use super::cell::{BELIEVED, BORDER, Cell, Clash, is_well_inside};
+use super::cell::{BELIEVED, BORDER, Cell, Clash, Known, is_well_inside};
 use super::frame::{Frame, inverse};
 use super::pass::Conflict;
 use super::problem::Problem;
@@ -447,7 +447,7 @@ impl<'a> Paving<'a> {
     fn look_at(&self, open: &Open) -> Result<(Cell, Option<Cell>), Clash> {
         let cell = self
             .problem
-            .refine(self.region(open), Vec::new(), false, &|| true)?;
+            .refine(self.region(open), Known::default(), false, &|| true)?;
         let notable = NOTABLE * (self.state.undecided + self.state.inside);
         if !self.may_turn || open.frame.is_some() || open.volume < notable {
             return Ok((cell, None));
@@ -461,7 +461,9 @@ impl<'a> Paving<'a> {
             };
             let Some(region) = region else { break };
             let spent = cell.passes + passes;
-            let next = self.problem.refine(region, Vec::new(), false, &|| true);
+            let next = self
+                .problem
+                .refine(region, Known::default(), false, &|| true);
             let next = next.map_err(|clash| Clash {
                 passes: spent + clash.passes,
                 ..clash

@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use super::answer::{Conclusion, Refuted};
 use super::balances::Balances;
+use super::cell::Known;
 use super::held::Held;
 use super::region::Region;
 use crate::signals::Signals;
@@ -440,7 +441,10 @@ impl Problem {
             });
             self.courses = only.collect();
             let prior = Region::of_box(&self.believed());
-            left > 0 && self.refine(prior, Vec::new(), true, &|| true).is_err()
+            left > 0
+                && self
+                    .refine(prior, Known::default(), true, &|| true)
+                    .is_err()
         };
         let all: Vec<usize> = (0..count).collect();
         let begin = [found.samples, all]

@@ -8,7 +8,7 @@ use super::Keep;
 use super::answer::{
     AfterReset, Bounds, Conclusion, Identified, IdentifyOptions, Limit, Progress, Unreadable,
 };
-use super::cell::{BELIEVED, Cell, Clash};
+use super::cell::{BELIEVED, Cell, Clash, Known};
 use super::pass::{Conflict, GoOn};
 use super::pave::{self, Paved, Paving};
 use super::problem::Problem;
@@ -218,7 +218,11 @@ impl<'a> Search<'a> {
         let probed = match job {
             Job::Divide(region, known, within) => {
                 let problem = self.problem;
-                return match problem.refine(region.clone(), known.clone(), true, go_on) {
+                let known = Known {
+                    states: known.clone(),
+                    quantities: within[..region.centre.len()].to_vec(),
+                };
+                return match problem.refine(region.clone(), known, true, go_on) {
                     Ok(cell) => {
                         // Regions may reach out of what they are parts of a little, and more where it ends early.
                         let pairs = self.told.iter().zip(within);

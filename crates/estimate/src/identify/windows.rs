@@ -31,6 +31,9 @@ const AS_WELL: f64 = 2.0;
 /// Where one window goes over to the next, what is no function of its unknowns should be less than this share.
 const LOST: f64 = 0.5;
 
+/// A set that needs more windows for a record is too wide for any of them to tell much.
+const MOST: usize = 128;
+
 /// So many unknowns of windows are looked at together for the states where they begin: parameters, which all others told
 /// of, bound these beside their neighbours.
 const BESIDE: usize = 16;
@@ -101,7 +104,8 @@ impl Problem {
             anchored(&window.passed, &rows, &part, from, known)
         });
         let mut link = first;
-        while let Some(next) = link.filter(|_| go_on()) {
+        let most = windows.len() + MOST;
+        while let Some(next) = link.filter(|_| windows.len() < most && go_on()) {
             from = next.sample;
             let fresh = next.starts.axes();
             let zeros = |count: usize| vec![0.0; count];

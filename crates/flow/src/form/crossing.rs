@@ -114,7 +114,7 @@ impl Journey<'_> {
             return None;
         }
         let begin = &self.form;
-        let prepared = acting.prepare_seconds(begin, &inputs, seconds)?;
+        let prepared = acting.prepare_seconds((begin, begin), &inputs, seconds)?;
         let (unit, span) = (prepared.unit, prepared.bounds.span);
         let asked = acting.regime.watches[watch];
         let speed = acting.speed_across(begin, &inputs, watch, span)?;
@@ -534,7 +534,8 @@ impl Journey<'_> {
         passage: &Passage,
     ) -> Option<(Form, (Form, Prepared))> {
         let longest = around(&rest).hi() * unit;
-        let prepared = next.prepare_seconds(&form, inputs, raised(longest, 2))?;
+        let forms = (&form, &self.form);
+        let prepared = next.prepare_seconds(forms, inputs, raised(longest, 2))?;
         if !prepared.last || !next.lasts((&form, inputs), &prepared, asked, passage) {
             return None;
         }
@@ -873,16 +874,18 @@ impl Acting {
         self.piece.slopes_of(&self.scratch, probe)
     }
 
-    /// A prepared step of at most so many seconds.
+    /// A prepared step of at most so many seconds, of a form that was another one before the surface.
     pub(super) fn prepare_seconds(
         &mut self,
-        form: &Form,
+        (form, before): (&Form, &Form),
         inputs: &[Interval],
         seconds: f64,
     ) -> Option<Prepared> {
         let longest = Interval::point(seconds);
         // All cross in one step, also where a step on the way would rather be shorter.
         let mut hurried = form.clone();
+        // On the surface a state has next to no width, for which a step would be short; at its end it is wide again.
+        hurried.neglect_as(before);
         hurried.options.steepest *= HURRY;
         self.prepare(&hurried, inputs, longest, 1e-3 * seconds).ok()
     }

@@ -211,7 +211,7 @@ impl Journey<'_> {
         let (inputs, form) = (self.inputs(), &self.form);
         let asked = acting.regime.watches[watch];
         let longest = raised(self.left.hi() * (1.0 + LONGER), 2);
-        let prepared = acting.prepare_seconds(form, inputs, longest)?;
+        let prepared = acting.prepare_seconds((form, form), inputs, longest)?;
         if !prepared.last {
             return None;
         }
@@ -289,7 +289,7 @@ impl Journey<'_> {
         let landed = (&slopes[..], speed, left_over);
         let begin = self.landed((acting, inputs), &arrival, &passage, landed)?;
         let mut next = Acting::new(self.flow, passage.regime.clone(), &begin);
-        let after = next.prepare_seconds(&begin, inputs, raised(self.left.hi(), 2))?;
+        let after = next.prepare_seconds((&begin, form), inputs, raised(self.left.hi(), 2))?;
         if !after.last || !next.lasts((&begin, inputs), &after, asked, &passage) {
             return None;
         }

@@ -581,6 +581,14 @@ impl Form {
         let options = &self.options;
         (options.tolerance * self.scale[state]).max(options.share * width) + 1e-200
     }
+
+    /// Lets steps neglect no less than those of `other`, which may be wider.
+    pub(super) fn neglect_as(&mut self, other: &Form) {
+        for state in 0..self.states.len() {
+            let scale = other.tolerance(state) / self.options.tolerance;
+            self.scale[state] = self.scale[state].max(scale);
+        }
+    }
 }
 
 /// `a + b` rounded, and what rounding took, exactly unless numbers overflow.
