@@ -264,3 +264,68 @@ fn closed_forms_in_pieces() {
     println!("graze: {ratios:?}");
     assert!(all_below(&ratios, 1.01), "{ratios:?}");
 }
+
+const PENDULUM: &str = "format = 1\nstates = [\"theta\", \"omega\"]\ninit = { theta = -2, omega = -4 }\n[params]\na = [30, 70]\n\
+    b = [0, 0.5]\nc = [0, 2]\n[let]\npull = \"-a*sin(theta) - b*omega\"\n[der]\ntheta = \"omega\"\n\
+    omega = \"pull - friction(omega, pull, c)\"\n[outputs]\nangle = \"theta +- 1\"\n";
+
+/// A pendulum that never rests, by steps of order four that end where it turns.
+fn swing(mut x: [f64; 2], p: &[f64], dt: f64) -> [f64; 2] {
+    let step = |x: [f64; 2], way: f64, h: f64| -> [f64; 2] {
+        let rates = |x: [f64; 2]| [x[1], -p[0] * x[0].sin() - p[1] * x[1] - way * p[2]];
+        let ahead = |k: [f64; 2], h: f64| [x[0] + h * k[0], x[1] + h * k[1]];
+        let first = rates(x);
+        let second = rates(ahead(first, 0.5 * h));
+        let third = rates(ahead(second, 0.5 * h));
+        let last = rates(ahead(third, h));
+        let sum = |i: usize| first[i] + 2.0 * (second[i] + third[i]) + last[i];
+        [x[0] + h * sum(0) / 6.0, x[1] + h * sum(1) / 6.0]
+    };
+    let mut way = x[1].signum();
+    for _ in 0..16 {
+        let mut left = dt / 16.0;
+        let mut next = step(x, way, left);
+        if next[1] * way < 0.0 {
+            let (mut from, mut until) = (0.0, left);
+            for _ in 0..60 {
+                let middle = 0.5 * (from + until);
+                match step(x, way, middle)[1] * way < 0.0 {
+                    true => until = middle,
+                    false => from = middle,
+                }
+            }
+            x = step(x, way, from);
+            x[1] = 0.0;
+            left -= from;
+            way = -way;
+            next = step(x, way, left);
+        }
+        x = next;
+    }
+    x
+}
+
+/// A pendulum turns six times, at last over several samples: all solutions cross together each time, though on the surface
+/// they have one velocity.
+#[test]
+fn a_pendulum_turns_together() {
+    let around = |x: f64, share: f64| interval(x * (1.0 - share), x * (1.0 + share));
+    let pendulum = Sampled {
+        text: PENDULUM.into(),
+        start: vec![interval(-2.0158, -2.0105), interval(-4.136, -4.117)],
+        params: vec![around(48.6, 0.0005), around(0.017, 0.1), around(0.48, 0.03)],
+        stretches: vec![(0.00667, None); 400],
+        parts: 1,
+    };
+    let widths = pendulum.widths(2, &mut |x, p| {
+        let mut x = [x[0], x[1]];
+        let samples = (0..400).map(|_| {
+            x = swing(x, p, 0.00667);
+            x.to_vec()
+        });
+        samples.collect()
+    });
+    let ratios = worst(&widths);
+    println!("pendulum: {ratios:?}");
+    assert!(all_below(&ratios, 1.3), "{ratios:?}");
+}
