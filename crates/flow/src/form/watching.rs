@@ -16,6 +16,9 @@ use veribound_interval::Interval;
 /// Times are told apart up to this share of a step.
 const FINEST: f64 = 1.0 / 64.0;
 
+/// What rounding can take from a value, as share of all its terms.
+const ROUNDED: f64 = 1e-13;
+
 /// The end of the time during which everything watched keeps its sign.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Trouble {
@@ -60,6 +63,10 @@ impl Piece {
         let is_safe = |from: f64, to: f64| {
             let window = Interval::new(from, to).unwrap_or(Interval::ENTIRE);
             let keeps = |register: usize| {
+                let loses = |time| self.loses(scratch, monomials, (register, sign), time);
+                if loses(to) || loses(from) {
+                    return false;
+                }
                 let x = self.during(scratch, monomials, register, window);
                 Signs::strict(x) == Some(sign)
             };
@@ -82,6 +89,49 @@ impl Piece {
             }
         }
         None
+    }
+
+    /// Whether bounds of a register at a time can only fail to have this sign, since they contain the value that some solution has there,
+    /// with all that is not known of it. It proves nothing, and spares work.
+    fn loses(
+        &self,
+        scratch: &Scratch,
+        monomials: &Monomials,
+        (register, sign): (usize, Signs),
+        time: f64,
+    ) -> bool {
+        let top = scratch.errors.sizes[register].top;
+        let stride = scratch.series.stride;
+        let way = if sign == Signs::POSITIVE { 1.0 } else { -1.0 };
+        let mut size = 0.0;
+        let rows = scratch.series.block(register).chunks_exact(stride);
+        let now = rows.map(|row| {
+            let (mut value, mut all) = (0.0, 0.0);
+            for x in row[..=top].iter().rev() {
+                value = value * time + way * x;
+                all = all * time + x.abs();
+            }
+            size += all;
+            value
+        });
+        let now: Vec<f64> = now.collect();
+        // The corner that linear terms say is the worst.
+        let linear = |v: usize| {
+            if monomials.degree > 0 {
+                now[monomials.linear(v)]
+            } else {
+                0.0
+            }
+        };
+        let corner = (0..monomials.variables).map(|v| if linear(v) > 0.0 { -1.0 } else { 1.0 });
+        let corner: Vec<f64> = corner.collect();
+        let mut value = 0.0;
+        for (a, x) in now.iter().enumerate() {
+            let odd = monomials.exponents(a).iter().zip(&corner);
+            let odd = odd.filter(|(e, _)| !e.is_multiple_of(2));
+            value += odd.fold(*x, |product, (_, end)| product * end);
+        }
+        value + ROUNDED * size < scratch.radii[1][register]
     }
 
     /// Encloses a register during a window of scaled time, for all solutions within the deviation.
@@ -109,10 +159,11 @@ impl Piece {
             return range(monomials, &polynomial).inflate(off).intersect(quick);
         }
         let orders = |a: usize| &block[a * stride..=a * stride + size.top];
-        let row = |a: usize| on(orders(a).iter().copied(), window);
+        let rows = (0..monomials.len()).map(|a| on(orders(a).iter().copied(), window));
+        let rows: Vec<Interval> = rows.collect();
         let off = scratch.radii[1][register];
-        let others: f64 = (1..monomials.len()).map(|a| row(a).mag()).sum();
-        let first = row(0);
+        let others: f64 = rows[1..].iter().map(|row| row.mag()).sum();
+        let first = rows[0];
         let found = first
             .inflate(raised(others + off, monomials.len() + 1))
             .intersect(quick);
@@ -132,9 +183,9 @@ impl Piece {
         let decay = Interval::point((-slope(0) / first).mid());
         let since = window - Interval::point(window.lo());
         let (mut change, mut moved) = (0.0, 0.0);
-        for a in 0..monomials.len() {
+        for (a, row) in rows.iter().enumerate() {
             let slope = slope(a);
-            change += (slope + decay * row(a)).mag();
+            change += (slope + decay * *row).mag();
             moved += slope.mag();
         }
         let moved = Interval::symmetric(raised(moved, monomials.len())) * decay * since;
