@@ -185,6 +185,7 @@ fn random_options(rng: &mut Rng) -> ObserverOptions {
         rows: rng.pick(&[1, 8, 64]),
         replay: rng.pick(&[1, 3, 8]),
         history: rng.pick(&[2, 40, 20_000]),
+        budget: rng.pick(&[1, 30_000, 300_000, 1_000_000]),
         ..options()
     }
 }
@@ -284,6 +285,54 @@ fn fewer_rows_leave_more() {
             );
         }
     }
+}
+
+/// No sample takes more than its budget and one piece of work, by count; without a budget some take many times as much. Little is lost
+/// once there was time to catch up.
+#[test]
+fn no_sample_takes_more_than_its_budget() {
+    // Of a try to cross a surface, with the polynomials of these models.
+    const PIECE: u64 = 700_000;
+    let mut longest = 0;
+    for round in 0..rounds(3) {
+        let mut rng = Rng(number("VERIBOUND_SEED", 1) * 131 + round);
+        let record = motor(&mut rng, 750, (true, true));
+        let mut ends = Vec::new();
+        for budget in [usize::MAX, 1_000_000, 300_000] {
+            let options = ObserverOptions {
+                budget,
+                ..options()
+            };
+            let mut observer = Observer::new(&record.model, options);
+            let (mut most, mut all, mut left) = (0, 0, Vec::new());
+            for sample in &record.samples {
+                match observer.step(sample).unwrap() {
+                    Verdict::Consistent(estimate) => left = estimate.params,
+                    other => panic!("round {round}, {budget} at {}: {other:?}", sample.time),
+                }
+                most = most.max(observer.spent());
+                all += observer.spent();
+            }
+            if budget == usize::MAX {
+                longest = longest.max(most);
+            } else {
+                let (budget, count) = (budget as u64, record.samples.len() as u64);
+                assert!(most <= budget + PIECE, "round {round}, {budget}: {most}");
+                assert!(all <= count * budget + PIECE, "round {round}: {all}");
+            }
+            ends.push(left);
+        }
+        for (param, whole) in ends[0].iter().enumerate() {
+            let widths: Vec<f64> = ends.iter().map(|left| left[param].width()).collect();
+            println!("round {round}: {widths:?}");
+            assert!(
+                widths[1] <= 1.5 * whole.width(),
+                "round {round}: {widths:?}"
+            );
+        }
+    }
+    println!("without a budget {longest}");
+    assert!(longest > 2 * (1_000_000 + PIECE), "{longest}");
 }
 
 /// A motor whose friction becomes another one without a reset is refuted, and boxes of the same number do not see it.

@@ -42,8 +42,9 @@ const APPROACH: f64 = 0.5;
 /// of them take: the times of crossings are polynomials, which may be early.
 const SLACK: f64 = 0.3;
 
-/// What a step takes, in multiplications of polynomials.
+/// What a step takes, in multiplications of polynomials, and what to find the time of trouble on its way takes besides.
 const STEP: f64 = 8.0;
+const TROUBLE: f64 = 32.0;
 
 /// A regime, compiled, with scratch for the form at hand.
 pub(super) struct Acting {
@@ -666,6 +667,7 @@ impl<'a> Journey<'a> {
         let Some(trouble) = trouble else {
             return self.move_whole(acting, &prepared);
         };
+        self.spend(TROUBLE).await;
         let unit = prepared.unit;
         let takes = acting.crossing_time(trouble.watch, unit);
         let takes_of_span = takes.min(span);

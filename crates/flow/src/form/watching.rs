@@ -7,7 +7,7 @@
 use super::monomials::Monomials;
 use super::outward::{UNIT, raised};
 use super::piece::{Piece, Probe};
-use super::range::range;
+use super::range::{at_corner, is_above, range};
 use super::regime::Watch;
 use super::step::Scratch;
 use super::surfaces::Signs;
@@ -26,6 +26,25 @@ pub(super) struct Trouble {
     pub(super) from: f64,
     /// Position of the watch.
     pub(super) watch: usize,
+}
+
+/// What is known of a register during a window.
+enum Course {
+    /// Its values lie in this interval.
+    Within(Interval),
+    /// They may be told better.
+    Near(Near),
+}
+
+/// A register is at `(p(δ) + c) / s` up to `off` and `rounding` of `p`, with a polynomial `p`, some `c` of `change` and `s > 0` of `scale`.
+struct Near {
+    begin: Vec<f64>,
+    rounding: f64,
+    change: Interval,
+    scale: Interval,
+    off: f64,
+    /// And in this interval.
+    within: Interval,
 }
 
 impl Piece {
@@ -67,8 +86,7 @@ impl Piece {
                 if loses(to) || loses(from) {
                     return false;
                 }
-                let x = self.during(scratch, monomials, register, window);
-                Signs::strict(x) == Some(sign)
+                self.keeps(scratch, monomials, (register, sign), window)
             };
             keeps(probe.value) || (steady && keeps(probe.rate))
         };
@@ -115,30 +133,10 @@ impl Piece {
             value
         });
         let now: Vec<f64> = now.collect();
-        // The corner that linear terms say is the worst.
-        let linear = |v: usize| {
-            if monomials.degree > 0 {
-                now[monomials.linear(v)]
-            } else {
-                0.0
-            }
-        };
-        let corner = (0..monomials.variables).map(|v| if linear(v) > 0.0 { -1.0 } else { 1.0 });
-        let corner: Vec<f64> = corner.collect();
-        let mut value = 0.0;
-        for (a, x) in now.iter().enumerate() {
-            let odd = monomials.exponents(a).iter().zip(&corner);
-            let odd = odd.filter(|(e, _)| !e.is_multiple_of(2));
-            value += odd.fold(*x, |product, (_, end)| product * end);
-        }
-        value + ROUNDED * size < scratch.radii[1][register]
+        at_corner(monomials, &now) + ROUNDED * size < scratch.radii[1][register]
     }
 
     /// Encloses a register during a window of scaled time, for all solutions within the deviation.
-    ///
-    /// Proof. `R(δ, t)` is the polynomial. For any number `κ`, `q = (1 + κ (t - t_0)) R` has `q' = (R' + κ R) + κ (t - t_0) R'`. So
-    /// where all coefficients decay alike, as what is left of a small rate does, `q` hardly moves from what it is at the begin `t_0`, and that
-    /// is a polynomial in the unknowns alone, with a tight range.
     pub(super) fn during(
         &self,
         scratch: &Scratch,
@@ -146,57 +144,114 @@ impl Piece {
         register: usize,
         window: Interval,
     ) -> Interval {
+        match self.course(scratch, monomials, register, window) {
+            Course::Within(found) => found,
+            Course::Near(near) => {
+                let begin = range(monomials, &near.begin).inflate(near.rounding);
+                let all = ((begin + near.change) / near.scale).inflate(near.off);
+                all.intersect(near.within)
+            }
+        }
+    }
+
+    /// Whether a register is proved to have this sign during a window, as [`Piece::during`] tells it.
+    fn keeps(
+        &self,
+        scratch: &Scratch,
+        monomials: &Monomials,
+        (register, sign): (usize, Signs),
+        window: Interval,
+    ) -> bool {
+        match self.course(scratch, monomials, register, window) {
+            Course::Within(found) => Signs::strict(found) == Some(sign),
+            Course::Near(near) => {
+                let Near {
+                    mut begin,
+                    rounding,
+                    change,
+                    scale,
+                    off,
+                    ..
+                } = near;
+                if sign == Signs::NEGATIVE {
+                    begin.iter_mut().for_each(|x| *x = -*x);
+                }
+                let least = rounding + change.mag() + off * scale.hi();
+                is_above(monomials, &begin, raised(least, 4))
+            }
+        }
+    }
+
+    /// What is known of a register during a window of scaled time, for all solutions within the deviation.
+    ///
+    /// Proof. `R(δ, t)` is the polynomial. For any number `κ`, `q = (1 + κ (t - t_0)) R` has `q' = (R' + κ R) + κ (t - t_0) R'`. So
+    /// where all coefficients decay alike, as what is left of a small rate does, `q` hardly moves from what it is at the begin `t_0`, and that
+    /// is a polynomial in the unknowns alone, with a tight range.
+    fn course(
+        &self,
+        scratch: &Scratch,
+        monomials: &Monomials,
+        register: usize,
+        window: Interval,
+    ) -> Course {
         let size = &scratch.errors.sizes[register];
         let quick = scratch.around(register);
         if !quick.contains(0.0) {
-            return quick;
+            return Course::Within(quick);
         }
         let stride = scratch.series.stride;
         let block = scratch.series.block(register);
+        let off = scratch.radii[1][register];
         if size.top == 0 {
-            let polynomial: Vec<f64> = block.iter().step_by(stride).copied().collect();
-            let off = scratch.radii[1][register];
-            return range(monomials, &polynomial).inflate(off).intersect(quick);
+            return Course::Near(Near {
+                begin: block.iter().step_by(stride).copied().collect(),
+                rounding: 0.0,
+                change: Interval::ZERO,
+                scale: Interval::ONE,
+                off,
+                within: quick,
+            });
         }
         let orders = |a: usize| &block[a * stride..=a * stride + size.top];
         let rows = (0..monomials.len()).map(|a| on(orders(a).iter().copied(), window));
         let rows: Vec<Interval> = rows.collect();
-        let off = scratch.radii[1][register];
         let others: f64 = rows[1..].iter().map(|row| row.mag()).sum();
         let first = rows[0];
         let found = first
             .inflate(raised(others + off, monomials.len() + 1))
             .intersect(quick);
         if !found.contains(0.0) || first.contains(0.0) {
-            return found;
+            return Course::Within(found);
         }
         let slope = |a: usize| {
             let orders = orders(a).iter().enumerate().skip(1);
             on(orders.map(|(j, x)| j as f64 * x), window)
         };
+        let decay = Interval::point((-slope(0) / first).mid());
+        let since = window - Interval::point(window.lo());
+        let scale = Interval::ONE + decay * since;
+        if scale.lo() <= 0.0 {
+            return Course::Within(found);
+        }
         let (mut begin, mut rounding) = (Vec::with_capacity(monomials.len()), 0.0);
-        for a in 0..monomials.len() {
+        let (mut change, mut moved) = (0.0, 0.0);
+        for (a, row) in rows.iter().enumerate() {
             let value = on(orders(a).iter().copied(), Interval::point(window.lo()));
             begin.push(value.mid());
             rounding += value.rad();
-        }
-        let decay = Interval::point((-slope(0) / first).mid());
-        let since = window - Interval::point(window.lo());
-        let (mut change, mut moved) = (0.0, 0.0);
-        for (a, row) in rows.iter().enumerate() {
             let slope = slope(a);
             change += (slope + decay * *row).mag();
             moved += slope.mag();
         }
         let moved = Interval::symmetric(raised(moved, monomials.len())) * decay * since;
-        let change = moved.inflate(raised(change, monomials.len())) * since;
-        let scale = Interval::ONE + decay * since;
-        let begin = range(monomials, &begin).inflate(raised(rounding, monomials.len()));
-        if scale.lo() > 0.0 {
-            ((begin + change) / scale).inflate(off).intersect(found)
-        } else {
-            found
-        }
+        Course::Near(Near {
+            begin,
+            rounding: raised(rounding, monomials.len()),
+            change: moved.inflate(raised(change, monomials.len())) * since,
+            scale,
+            off,
+            within: found,
+        })
     }
 
     /// The slopes of a watched expression, at all times of the step.
@@ -218,9 +273,17 @@ fn on(coefficients: impl DoubleEndedIterator<Item = f64>, window: Interval) -> I
     let (from, to, most) = (window.lo(), window.hi(), window.mag());
     let (mut lo, mut hi, mut size, mut count) = (0.0_f64, 0.0_f64, 0.0, 0);
     for x in coefficients.rev() {
-        let (a, b, c, d) = (lo * from, lo * to, hi * from, hi * to);
-        lo = a.min(b).min(c.min(d)) + x;
-        hi = a.max(b).max(c.max(d)) + x;
+        (lo, hi) = if from >= 0.0 {
+            // Two of the four products below decide.
+            let (low, high) = (
+                if lo < 0.0 { to } else { from },
+                if hi < 0.0 { from } else { to },
+            );
+            (lo * low + x, hi * high + x)
+        } else {
+            let (a, b, c, d) = (lo * from, lo * to, hi * from, hi * to);
+            (a.min(b).min(c.min(d)) + x, a.max(b).max(c.max(d)) + x)
+        };
         size = size * most + x.abs();
         count += 1;
     }
