@@ -30,7 +30,7 @@ const COST: u64 = 300_000;
 const MOST: u64 = 4;
 
 /// What a linear program takes, in products of coefficients for each number of its rows.
-const LINEAR: f64 = 10.0;
+const LINEAR: f64 = 80.0;
 
 /// What is not affine grew, from one sample to the next, by more than this factor and this share of a width where boxes had
 /// to go on for want of a crossing: with more samples ahead it may be proved.

@@ -53,7 +53,7 @@ use veribound_model::Level;
 const SPARE: [f64; 2] = [0.3, 1.5];
 
 /// What a try takes, in multiplications of polynomials.
-const TRY: f64 = 24.0;
+const TRY: f64 = 8.0;
 
 /// Steps across may be so many times as long for how steep right-hand sides are.
 const HURRY: f64 = 4.0;
@@ -849,7 +849,7 @@ impl Acting {
             }
             let place = (&self.scratch, &*form.monomials);
             let own = (watch, own.sign, steady[watch]);
-            self.piece.first_trouble(place, own, span).is_none()
+            self.piece.is_calm(place, own, span)
         })
     }
 
@@ -868,7 +868,7 @@ impl Acting {
         let place = (&self.scratch, &*form.monomials);
         let all_calm = others.all(|(other, asked)| {
             let asked = (other, asked.sign, steady[other]);
-            self.piece.first_trouble(place, asked, span).is_none()
+            self.piece.is_calm(place, asked, span)
         });
         if !all_calm {
             return None;

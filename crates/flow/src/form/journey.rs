@@ -42,9 +42,11 @@ const APPROACH: f64 = 0.5;
 /// of them take: the times of crossings are polynomials, which may be early.
 const SLACK: f64 = 0.3;
 
-/// What a step takes, in multiplications of polynomials, and what to find the time of trouble on its way takes besides.
-const STEP: f64 = 8.0;
-const TROUBLE: f64 = 32.0;
+/// What a step takes, in multiplications of polynomials,
+const STEP: f64 = 4.0;
+
+/// and what a window takes in which signs are asked, in products for each coefficient.
+const WINDOW: f64 = 40.0;
 
 /// A regime, compiled, with scratch for the form at hand.
 pub(super) struct Acting {
@@ -658,16 +660,18 @@ impl<'a> Journey<'a> {
         };
         let span = prepared.bounds.span;
         let steady = acting.steady(inputs);
-        let trouble = acting.piece.trouble(
+        let (trouble, windows) = acting.piece.trouble(
             &acting.scratch,
             &self.form.monomials,
             (&acting.regime.watches, &steady),
             span,
         );
+        let coefficients = (self.form.monomials.len() * self.form.order) as f64;
+        let watched = WINDOW * windows as f64 * coefficients;
+        self.spend(watched / self.form.cost()).await;
         let Some(trouble) = trouble else {
             return self.move_whole(acting, &prepared);
         };
-        self.spend(TROUBLE).await;
         let unit = prepared.unit;
         let takes = acting.crossing_time(trouble.watch, unit);
         let takes_of_span = takes.min(span);

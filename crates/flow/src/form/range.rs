@@ -51,7 +51,7 @@ pub(super) fn is_above(monomials: &Monomials, polynomial: &[f64], least: f64) ->
     let size: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
     let negated: Vec<f64> = polynomial.iter().map(|x| -x).collect();
     let mut below = Maximum::new(monomials, &negated);
-    for _ in 0..MOST_PARTS[1] {
+    for _ in 0..MOST_PARTS[0] {
         let (bound, reached) = (below.bound(), below.reached);
         let is_undecided = bound >= -least && reached < -least;
         if !is_undecided || bound <= reached + ENOUGH * size || !below.divide(monomials) {

@@ -92,16 +92,20 @@ impl Journey<'_> {
             .ok();
         let steady = acting.steady(inputs);
         let prepared = prepared.filter(|prepared| {
-            let watches = (&acting.regime.watches[..], &steady[..]);
-            let (scratch, monomials) = (&acting.scratch, &self.form.monomials);
+            let place = (&acting.scratch, &*self.form.monomials);
             let span = prepared.bounds.span;
+            let mut watches = acting.regime.watches.iter().enumerate();
             let neglected = prepared.bounds.deviation.iter().zip(&self.form.states);
             let mut neglected = neglected.map(|(off, polynomial)| {
                 let width: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
                 *off <= NEGLIGIBLE * width
             });
-            let trouble = |span| acting.piece.trouble(scratch, monomials, watches, span);
-            prepared.covers(self.left) && neglected.all(|small| small) && trouble(span).is_none()
+            prepared.covers(self.left)
+                && neglected.all(|small| small)
+                && watches.all(|(watch, asked)| {
+                    let asked = (watch, asked.sign, steady[watch]);
+                    acting.piece.is_calm(place, asked, span)
+                })
         });
         match &prepared {
             Some(prepared) => {

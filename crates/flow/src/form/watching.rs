@@ -48,7 +48,7 @@ struct Near {
 }
 
 impl Piece {
-    /// The first time up to `span` at which something watched may change its sign.
+    /// The first time up to `span` at which something watched may change its sign, and how many windows were looked at.
     ///
     /// Guarantee: before it, for all solutions within the deviation of the prepared step, every watched
     /// expression has its sign or moves towards it; one that is not `steady`, a function of the state
@@ -59,25 +59,42 @@ impl Piece {
         monomials: &Monomials,
         (watches, steady): (&[Watch], &[bool]),
         span: f64,
-    ) -> Option<Trouble> {
-        let mut first: Option<Trouble> = None;
+    ) -> (Option<Trouble>, usize) {
+        let (mut first, mut windows): (Option<Trouble>, usize) = (None, 0);
         for (watch, asked) in watches.iter().enumerate() {
             let end = first.map_or(span, |trouble| trouble.from);
             let asked = (watch, asked.sign, steady[watch]);
-            if let Some(from) = self.first_trouble((scratch, monomials), asked, end) {
-                first = Some(Trouble { from, watch });
-            }
+            let (from, own) = self.first_trouble((scratch, monomials), asked, end);
+            first = from.map(|from| Trouble { from, watch }).or(first);
+            windows += own;
         }
-        first
+        (first, windows)
+    }
+
+    /// Whether there is none of it, for one watch, which has to keep a sign.
+    pub(super) fn is_calm(
+        &self,
+        place: (&Scratch, &Monomials),
+        (watch, sign, steady): (usize, Signs, bool),
+        end: f64,
+    ) -> bool {
+        let probe = &self.probes[watch];
+        let loses = |register: usize| self.loses(place.0, place.1, (register, sign), end);
+        let is_lost = loses(probe.value) && (!steady || loses(probe.rate));
+        !is_lost
+            && self
+                .first_trouble(place, (watch, sign, steady), end)
+                .0
+                .is_none()
     }
 
     /// As [`Piece::trouble`], for one watch, which has to keep a sign.
-    pub(super) fn first_trouble(
+    fn first_trouble(
         &self,
         (scratch, monomials): (&Scratch, &Monomials),
         (watch, sign, steady): (usize, Signs, bool),
         end: f64,
-    ) -> Option<f64> {
+    ) -> (Option<f64>, usize) {
         let probe = &self.probes[watch];
         let is_safe = |from: f64, to: f64| {
             let window = Interval::new(from, to).unwrap_or(Interval::ENTIRE);
@@ -90,23 +107,28 @@ impl Piece {
             };
             keeps(probe.value) || (steady && keeps(probe.rate))
         };
-        let (mut from, mut length) = (0.0, end);
+        let (mut from, mut length, mut windows) = (0.0, end, 0);
+        // Windows are twice as long again once both halves of one were safe.
+        let mut is_second = false;
         while from < end {
             let to = if from + length >= end {
                 end
             } else {
                 from + length
             };
+            windows += 1;
             if is_safe(from, to) {
                 from = to;
-                length *= 2.0;
+                length *= if is_second { 2.0 } else { 1.0 };
+                is_second = !is_second;
             } else if length <= FINEST * end {
-                return Some(from);
+                return (Some(from), windows);
             } else {
                 length *= 0.5;
+                is_second = false;
             }
         }
-        None
+        (None, windows)
     }
 
     /// Whether bounds of a register at a time can only fail to have this sign, since they contain the value that some solution has there,
