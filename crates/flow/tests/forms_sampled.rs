@@ -427,7 +427,7 @@ fn journeys_that_are_put_aside_are_the_same() {
                         assert!(allowance.left() <= 0, "round {round}");
                         most = most.max(-allowance.left());
                         pauses += 1;
-                        allowance.give(given);
+                        allowance.give(given - allowance.left());
                     }
                 }
             };
