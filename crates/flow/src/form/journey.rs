@@ -24,7 +24,7 @@ use super::proved::{Mark, Proved};
 use super::regime::{Field, Reason, Regime};
 use super::run::Stretch;
 use super::set::Form;
-use super::several::{Ahead, Several};
+use super::several::{Ahead, Reach, Several};
 use super::step::{Arrival, End, Obstacle, Prepared, Scratch};
 use super::surfaces::Signs;
 use crate::step::Workspace;
@@ -645,11 +645,13 @@ impl<'a> Journey<'a> {
                 return Ok(());
             }
         }
-        if let Some(prepared) = self.prepare_several(&mut acting) {
-            return self.set_out(acting, prepared);
-        }
         let inputs = self.inputs();
-        let prepared = match acting.prepare(&self.form, inputs, self.left, self.shortest()) {
+        let prepared = match self.prepare_several(&mut acting) {
+            Some(Reach::Several(prepared)) => return self.set_out(acting, prepared),
+            Some(Reach::Less(prepared)) => Ok(prepared),
+            None => acting.prepare(&self.form, inputs, self.left, self.shortest()),
+        };
+        let prepared = match prepared {
             Ok(prepared) => prepared,
             // What may jump or has no slope somewhere may still have bounds.
             Err(why @ (Obstacle::Jump | Obstacle::Undefined)) => {

@@ -272,9 +272,17 @@ impl Series {
                             for (slot, b) in other.iter_mut().zip(b.chunks_exact(k)) {
                                 *slot = b[j];
                             }
+                            // Pairs stand in the order of their first factors, and the first of all is the constant.
+                            let last = still.iter().rposition(|x| *x != 0.0).unwrap_or(0);
+                            for (slot, b) in row.iter_mut().zip(&*other) {
+                                *slot = still[0] * b;
+                            }
                             for (c, slot) in row.iter_mut().enumerate() {
-                                let mut sum = -0.0;
-                                for &(x, y) in monomials.factors(c) {
+                                let mut sum = *slot;
+                                for &(x, y) in &monomials.factors(c)[1..] {
+                                    if x as usize > last {
+                                        break;
+                                    }
                                     sum += still[x as usize] * other[y as usize];
                                 }
                                 *slot = sum;
