@@ -179,6 +179,12 @@ impl Observer {
         }
     }
 
+    /// [`Method::Polytope`]: what the last sample took, in products of coefficients; at most its budget and one piece of work, as
+    /// a try to cross a surface.
+    pub fn spent(&self) -> u64 {
+        self.polytope.as_ref().map_or(0, |polytope| polytope.spent)
+    }
+
     /// Starts from a list of parameter boxes, the estimate of an earlier run on the same system,
     /// instead of the whole prior. Each is intersected with the prior; the parameters that a
     /// signal can reset keep their prior. Returns false, and changes nothing, when no box is left

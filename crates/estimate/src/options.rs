@@ -90,6 +90,9 @@ pub struct ObserverOptions {
     pub replay: usize,
     /// [`Method::Polytope`]: number of samples that may be met again; the oldest are forgotten.
     pub history: usize,
+    /// [`Method::Polytope`]: work that a sample may take, in products of coefficients; a million of them are about a millisecond.
+    /// What takes longer is put aside, and goes on with the next sample.
+    pub budget: usize,
 }
 
 impl Default for ObserverOptions {
@@ -110,6 +113,7 @@ impl Default for ObserverOptions {
             rows: 64,
             replay: 8,
             history: 20_000,
+            budget: 1_000_000,
         }
     }
 }

@@ -185,6 +185,7 @@ fn random_options(rng: &mut Rng) -> ObserverOptions {
         rows: rng.pick(&[1, 8, 64]),
         replay: rng.pick(&[1, 3, 8]),
         history: rng.pick(&[2, 40, 20_000]),
+        budget: rng.pick(&[1, 30_000, 300_000, 1_000_000]),
         ..options()
     }
 }
@@ -284,6 +285,50 @@ fn fewer_rows_leave_more() {
             );
         }
     }
+}
+
+/// No sample takes more than its budget and one piece of work, by count; without a budget some take more.
+#[test]
+fn no_sample_takes_more_than_its_budget() {
+    // Of a step near to a switch, with the polynomials of these models.
+    const PIECE: u64 = 1_500_000;
+    let (mut longest, mut wider) = (0, 0.0_f64);
+    for round in 0..rounds(3) {
+        let mut rng = Rng(number("VERIBOUND_SEED", 1) * 131 + round);
+        let record = motor(&mut rng, 750, (true, true));
+        let mut ends = Vec::new();
+        for budget in [usize::MAX, 1_000_000, 300_000] {
+            let options = ObserverOptions {
+                budget,
+                ..options()
+            };
+            let mut observer = Observer::new(&record.model, options);
+            let (mut most, mut all, mut left) = (0, 0, Vec::new());
+            for sample in &record.samples {
+                match observer.step(sample).unwrap() {
+                    Verdict::Consistent(estimate) => left = estimate.params,
+                    other => panic!("round {round}, {budget} at {}: {other:?}", sample.time),
+                }
+                most = most.max(observer.spent());
+                all += observer.spent();
+            }
+            if budget == usize::MAX {
+                longest = longest.max(most);
+            } else {
+                let (budget, count) = (budget as u64, record.samples.len() as u64);
+                assert!(most <= budget + PIECE, "round {round}, {budget}: {most}");
+                assert!(all <= count * budget + PIECE, "round {round}: {all}");
+            }
+            ends.push(left);
+        }
+        for param in 0..ends[0].len() {
+            let widths: Vec<f64> = ends.iter().map(|left| left[param].width()).collect();
+            println!("round {round}: {widths:?}");
+            wider = wider.max(widths[1] / widths[0]);
+        }
+    }
+    println!("without a budget {longest}; with one {wider} times as wide");
+    assert!(longest > 2 * (1_000_000 + PIECE), "{longest}");
 }
 
 /// A motor whose friction becomes another one without a reset is refuted, and boxes of the same number do not see it.

@@ -9,6 +9,9 @@
 
 mod common;
 
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use common::models::{self, Target};
 use common::truth::Sim;
 use common::{Rng, interval, monotone, read};
@@ -168,15 +171,15 @@ fn the_choice_never_costs_many_times_what_forms_cost() {
         case.stretches.truncate(1);
         let engines = case.engines();
         let cost = |engine: Engine| {
-            let cost = std::cell::Cell::new(0.0);
+            let cost = Mutex::new(0.0);
             let answer = engines.enclose(engine, case.task(), &|standing: Standing| {
                 if standing.unknowns > 0 {
-                    cost.set(cost.get() + standing.cost);
+                    *cost.lock().unwrap() += standing.cost;
                 }
                 true
             });
             case.contains(&answer);
-            cost.get()
+            cost.into_inner().unwrap()
         };
         let (forms, auto) = (cost(Engine::Forms), cost(Engine::Auto));
         assert!(auto <= 6.0 * forms, "{auto} {forms}");
@@ -190,11 +193,8 @@ fn every_engine_can_be_interrupted() {
         // Not all models have a closed form.
         let case = &cases[if engine == Engine::Closed { 2 } else { 0 }];
         let engines = case.engines();
-        let asked = std::cell::Cell::new(0);
-        let go_on = |_: Standing| {
-            asked.set(asked.get() + 1);
-            asked.get() < 4
-        };
+        let asked = AtomicU64::new(0);
+        let go_on = |_: Standing| asked.fetch_add(1, Ordering::Relaxed) + 1 < 4;
         let answer = engines.enclose(engine, case.task(), &go_on);
         let stopped = answer.enclosure.stopped.map(|stopped| stopped.obstacle);
         assert_eq!(stopped, Some(Obstacle::Interrupted), "{engine:?}");

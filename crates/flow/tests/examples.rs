@@ -13,6 +13,7 @@ use common::stem::{Stem, bounce};
 use common::truth::{Sim, Switch, Truth};
 use common::{Rng, Trials, interval, number, rig_step};
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 use veribound_flow::engine::{Engine, Engines, Task};
 use veribound_flow::form::{Effort, FormOptions, Obstacle, Stretch};
 use veribound_interval::Interval;
@@ -446,10 +447,11 @@ impl Example {
             effort,
         };
         // What is proved until the work is enough stays.
-        let work = std::cell::Cell::new(0.0);
+        let work = Mutex::new(0.0);
         let answer = engines.enclose(engine, task, &|standing| {
-            work.set(work.get() + 1.0 + standing.cost / 100.0);
-            work.get() < 20_000.0
+            let mut work = work.lock().unwrap();
+            *work += 1.0 + standing.cost / 100.0;
+            *work < 20_000.0
         });
         let found = &answer.enclosure;
         let what = format!(

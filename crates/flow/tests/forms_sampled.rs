@@ -11,7 +11,9 @@
 mod common;
 
 use common::{Rng, Trials, interval, number, read, rig_step};
-use veribound_flow::form::{Effort, Flow, FormOptions, Meeting, Stretch};
+use std::pin::pin;
+use std::task::Poll;
+use veribound_flow::form::{Allowance, Effort, Flow, Form, FormOptions, Meeting, Stretch, poll};
 use veribound_interval::Interval;
 
 const MOTOR: &str = r#"
@@ -387,4 +389,54 @@ fn the_sampled_sine_is_tight_at_every_sample() {
     let last = [0, 1].map(|i| found.ends[999][i].width() / inner[999][i].width());
     println!("at most {worst:?}, at the end {last:?}");
     assert!(worst.0 < 1.5 && last[0].max(last[1]) < 1.005);
+}
+
+/// However often a journey is put aside, it shows the same forms at the same samples; and it is put aside where its allowance is spent.
+#[test]
+fn journeys_that_are_put_aside_are_the_same() {
+    let flow = Flow::new(&read("motor", MOTOR));
+    let (mut met, mut pauses) = (0, 0);
+    for round in 0..number("VERIBOUND_ROUNDS", 1) * 8 {
+        let mut rng = Rng(number("VERIBOUND_SEED", 1) * 1_000_081 + round);
+        let drive = Drive::draw(&mut rng);
+        let stretches = drive.stretches();
+        let start = || flow.start(&drive.start(), &drive.params, FormOptions::default());
+        let seen = |all: &mut Vec<String>, meeting: &Meeting<'_>| {
+            let form: &Form = meeting.form;
+            all.push(format!(
+                "{} {:?} {:?}",
+                meeting.stretch,
+                form.strips(),
+                meeting.arriving
+            ));
+        };
+        let (mut whole, mut parts) = (Vec::new(), Vec::new());
+        let mut meet = |meeting: Meeting<'_>| seen(&mut whole, &meeting);
+        let done = flow.follow(start(), &stretches, &mut meet, &|_| true);
+        let allowance = Allowance::default();
+        let given = rng.pick(&[1, 10_000, 1_000_000]);
+        let mut most = 0;
+        {
+            let mut meet = |meeting: Meeting<'_>| seen(&mut parts, &meeting);
+            let journey = flow.travel(start(), &stretches, &mut meet, &|_| true, &allowance);
+            let mut journey = pin!(journey);
+            let put_aside = loop {
+                match poll(journey.as_mut()) {
+                    Poll::Ready(done) => break done,
+                    Poll::Pending => {
+                        assert!(allowance.left() <= 0, "round {round}");
+                        most = most.max(-allowance.left());
+                        pauses += 1;
+                        allowance.give(given - allowance.left());
+                    }
+                }
+            };
+            assert_eq!(put_aside, done, "round {round}");
+        }
+        // A piece is some steps at most, of polynomials as they are drawn here.
+        assert!(most < 10_000_000, "round {round}: {most}");
+        assert_eq!(whole, parts, "round {round}");
+        met += whole.len();
+    }
+    assert!(met > 500 && pauses > 1000, "{met} {pauses}");
 }

@@ -92,7 +92,7 @@ class Observer:
     """Follows a machine sample by sample; one `step` for each.
 
     Guarantee and options are those of `veribound.observe`; memory does not grow, and the time for a sample is bounded
-    by the number of boxes, and with ``method="polytope"`` by `rows` and `replay`.
+    by the number of boxes, and with ``method="polytope"`` by `budget`.
 
     >>> import veribound as vb
     >>> model = vb.Model.from_toml('''
@@ -137,6 +137,7 @@ class Observer:
         rows: Optional[int] = None,
         replay: Optional[int] = None,
         history: Optional[int] = None,
+        budget: Optional[int] = None,
         exact: bool = False,
     ) -> None:
         given = dict(locals())

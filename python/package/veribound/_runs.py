@@ -88,6 +88,7 @@ def observe(
     rows: Optional[int] = None,
     replay: Optional[int] = None,
     history: Optional[int] = None,
+    budget: Optional[int] = None,
     output: Any = None,
     figures: Any = None,
     report: Optional[str] = None,
@@ -122,7 +123,7 @@ def observe(
         their own step. Forms keep from sample to sample how boxes depend on parameters, which narrows more with few
         boxes and takes many times as long.
     method : ``"boxes"`` or ``"polytope"``: what all samples say together is kept, too, which narrows parameters much more;
-        `rows`, `replay` and `history` bound its work and memory.
+        `rows`, `replay` and `history` bound its memory, and `budget` the work of a sample, in products of coefficients.
     output : folder for the files that the program writes, with the page `report.html`; `figures`, `report`, `parquet`,
         `zoom` and `overlay` are about these.
     exact : a float of a frame stands for the number that it holds, digit for digit. By default it stands for its

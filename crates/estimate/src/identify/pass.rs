@@ -4,9 +4,9 @@
     reason = "PROOF: unknowns in the order of the form's, samples and quantities of the problem"
 )]
 
-use std::cell::Cell as Shared;
 use std::collections::BTreeSet;
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use super::cell::BELIEVED;
 use super::outliers::Doubtful;
@@ -159,7 +159,7 @@ struct Meeter<'a> {
     /// Samples from one anchor to the next at least.
     apart: usize,
     wanted: BTreeSet<usize>,
-    over: &'a Shared<bool>,
+    over: &'a AtomicBool,
 }
 
 /// Moves a set of states at the sample `span.from`, with parameters, to the sample `span.until`. The unknowns are
@@ -184,7 +184,7 @@ pub(crate) fn pass(
     };
     let moved = problem.moved(span.aim.is_for_points());
     let mut form = moved.flow.start_in(&set.moved, options);
-    let over = Shared::new(false);
+    let over = AtomicBool::new(false);
     // Rows of outliers, and of factors, are made of slopes alone.
     let is_straight = set.factor.is_some() || problem.outliers.iter().any(Option::is_some);
     let unknowns = form.scales().len();
@@ -233,21 +233,24 @@ pub(crate) fn pass(
             &course.stretches
         };
         let stretches = &stretches[begin..meeter.end];
-        let (steps, met) = (Shared::new(0), Shared::new(begin - span.from));
+        let (steps, met) = (AtomicUsize::new(0), AtomicUsize::new(begin - span.from));
         let meet = &mut |meeting: Meeting<'_>| {
-            steps.set(0);
-            met.set(met.get() + 1);
+            steps.store(0, Ordering::Relaxed);
+            met.fetch_add(1, Ordering::Relaxed);
             meeter.meet(meeting, reset.is_some());
         };
         let go_on = |form: &Form| {
-            steps.set(steps.get() + 1);
-            let is_defined = UNDEFINED * form.undefined_moments() <= met.get();
-            !over.get() && steps.get() <= MOST_STEPS && is_defined
+            let steps = steps.fetch_add(1, Ordering::Relaxed) + 1;
+            let met = met.load(Ordering::Relaxed);
+            let is_defined = UNDEFINED * form.undefined_moments() <= met;
+            !over.load(Ordering::Relaxed) && steps <= MOST_STEPS && is_defined
         };
         let done = moved.flow.follow(form, stretches, meet, &go_on);
         meeter.is_complete &= done.is_ok();
         match meeter.arrived.take() {
-            Some(arrived) if reset.is_some() && done.is_ok() && !over.get() => form = arrived,
+            Some(arrived) if reset.is_some() && done.is_ok() && !over.load(Ordering::Relaxed) => {
+                form = arrived
+            }
             _ => break,
         }
         meeter.begin = meeter.end;
@@ -394,7 +397,7 @@ impl Meeter<'_> {
     }
 
     fn meet(&mut self, meeting: Meeting<'_>, ends_in_reset: bool) {
-        if self.over.get() {
+        if self.over.load(Ordering::Relaxed) {
             return;
         }
         let sample = self.begin + meeting.stretch;
@@ -406,7 +409,7 @@ impl Meeter<'_> {
         let instant = &self.course.instants[sample];
         self.reached = sample;
         if sample.is_multiple_of(ASKS) && !(self.span.go_on)() {
-            self.over.set(true);
+            self.over.store(true, Ordering::Relaxed);
             self.is_complete = false;
         }
         let inputs = if self.span.aim.is_for_points() {
@@ -503,7 +506,7 @@ impl Meeter<'_> {
             self.curvature = form.curvature();
         }
         if self.conflict.is_some() || self.hidden > HIDDEN {
-            self.over.set(true);
+            self.over.store(true, Ordering::Relaxed);
         }
     }
 

@@ -14,16 +14,21 @@
     reason = "PROOF: lists as long as the model's; samples are checked when they come in"
 )]
 
+mod going;
 mod past;
 mod runner;
+
+use std::sync::Arc;
 
 use crate::identify::held::Held;
 use crate::identify::problem::Problem;
 use crate::identify::region::Region;
 use crate::options::ObserverOptions;
 use crate::verdict::{Contradiction, distance};
+use going::{Going, Next};
 use past::{Moment, Past};
-use runner::{Clash, Fate, Runner};
+use runner::{Clash, Fate, PATIENCE, Runner};
+use veribound_flow::form::Allowance;
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{Model, Sample};
 
@@ -38,19 +43,26 @@ const ASKS: u64 = 16;
 
 /// Strips of a record on its way.
 pub(crate) struct Polytope {
-    problem: Problem,
+    problem: Arc<Problem>,
     /// For every quantity that a signal proves to be zero, the signal.
     signals: Vec<usize>,
     rows: usize,
     replay: usize,
     history: usize,
+    /// Products of coefficients that a sample may take, and what is left of them.
+    budget: i64,
+    allowance: Arc<Allowance>,
+    /// What the last sample took.
+    pub(crate) spent: u64,
     past: Past,
     /// Parameters that are left.
     known: Vec<Interval>,
     /// The one that met most samples,
-    live: Option<Runner>,
+    live: Option<Going>,
     /// and one that is to catch up with it.
-    chaser: Option<Runner>,
+    chaser: Option<Going>,
+    /// Whether it is to be asked if a set should begin anew.
+    is_due: bool,
     /// What was known of parameters when the last one began at the oldest sample.
     begun: Vec<Interval>,
     /// No set begins anew before this sample, unless more is known.
@@ -97,13 +109,17 @@ impl Polytope {
             rows: options.rows.max(1),
             replay: options.replay.max(1),
             history: options.history,
+            budget: i64::try_from(options.budget.max(1)).unwrap_or(i64::MAX),
+            allowance: Arc::default(),
+            spent: 0,
             past: Past::default(),
             known: problem.prior.clone(),
             begun: vec![Interval::ENTIRE; problem.prior.len()],
             pause: 0,
             live: None,
             chaser: None,
-            problem,
+            is_due: false,
+            problem: Arc::new(problem),
         }
     }
 
@@ -113,31 +129,30 @@ impl Polytope {
     /// a refutation proves that there is none.
     pub(crate) fn take(&mut self, sample: &Sample, boxes: Boxes<'_>) -> Result<Left, Refuted> {
         self.note(sample, &boxes)?;
+        // What was left over is lost, and what was overdrawn is paid for.
+        let overdrawn = self.allowance.left().min(0);
+        self.allowance.give(overdrawn - self.allowance.left());
+        let half = self.budget / if self.chaser.is_some() { 2 } else { 1 };
+        self.allowance.give(half);
         let mut states = None;
         if let Some(live) = self.live.take() {
             let (live, here) = self.go(live)?;
             states = here;
             self.live = live;
         }
+        self.allowance.give(self.budget - half);
         if let Some(chaser) = self.chaser.take() {
             let (chaser, here) = self.go(chaser)?;
-            match chaser {
-                Some(chaser) if chaser.at == self.past.newest() => {
-                    states = both(states, here);
-                    if self
-                        .live
-                        .as_ref()
-                        .is_none_or(|live| is_better(&chaser, live))
-                    {
-                        self.live = Some(chaser);
-                    }
-                }
-                other => self.chaser = other,
-            }
+            states = both(states, here);
+            self.chaser = chaser;
+            self.take_over();
         }
-        if self.chaser.is_none() && (self.live.is_none() || boxes.position.is_multiple_of(ASKS)) {
+        self.is_due |= boxes.position.is_multiple_of(ASKS);
+        if self.chaser.is_none() && (self.live.is_none() || self.is_due) {
             self.begin();
         }
+        let spent = overdrawn.saturating_add(self.budget) - self.allowance.left();
+        self.spent = u64::try_from(spent).unwrap_or(0);
         Ok(Left {
             params: self.known.clone(),
             states,
@@ -199,16 +214,21 @@ impl Polytope {
         Ok(())
     }
 
-    /// One runner through some samples; what goes on, and states at the newest sample.
-    fn go(
-        &mut self,
-        mut runner: Runner,
-    ) -> Result<(Option<Runner>, Option<Vec<Interval>>), Refuted> {
-        let gone = runner.go(&self.problem, &self.past, (self.replay, self.rows));
-        let (fate, states) = gone.map_err(|clash| self.refuted(clash))?;
+    /// One set through some samples, as far as the allowance reaches; what goes on, and states at the newest sample.
+    fn go(&mut self, set: Going) -> Result<(Option<Going>, Option<Vec<Interval>>), Refuted> {
+        let limits = ((self.replay, self.rows), self.replay + PATIENCE);
+        let (gone, newest) = match set.go_on(&self.problem, &self.past, limits, &self.allowance) {
+            Next::Rests(set) => return Ok((Some(set), None)),
+            Next::Arrived(gone, newest) => (gone, newest),
+        };
+        let runner = *gone.runner;
+        let (fate, states) = gone
+            .found
+            .map_err(|clash| self.refuted(clash.unwrap_or_else(|| runner.explain(&self.past))))?;
+        let states = states.filter(|_| newest == self.past.newest());
         self.learn(runner.params())?;
         if fate == Fate::Alive {
-            return Ok((Some(runner), states));
+            return Ok((Some(Going::new(runner)), states));
         }
         // A narrower set goes farther; else another one goes on.
         let oldest = self.past.first();
@@ -225,7 +245,26 @@ impl Polytope {
         if next.is_none() {
             self.pause = self.past.newest() + PAUSE;
         }
-        Ok((next, states))
+        Ok((next.map(Going::new), states))
+    }
+
+    /// The set that has caught up takes over where it leaves less.
+    fn take_over(&mut self) {
+        let newest = self.past.newest();
+        let chaser = self.chaser.as_ref().and_then(Going::standing);
+        let Some(chaser) = chaser.filter(|chaser| chaser.at == newest) else {
+            return;
+        };
+        let is_better = match self.live.as_ref().map(Going::standing) {
+            None => true,
+            // It is compared with where the other one arrives.
+            Some(None) => return,
+            Some(Some(live)) => is_better(chaser, live),
+        };
+        let chaser = self.chaser.take();
+        if is_better {
+            self.live = chaser;
+        }
     }
 
     /// A set that begins at a sample, with all that is known.
@@ -248,7 +287,12 @@ impl Polytope {
         let is_narrower = shares
             .into_iter()
             .any(|(now, before)| now.width() < WORTHWHILE * before.width());
-        let own = self.live.as_ref().filter(|live| live.base == oldest);
+        let own = match self.live.as_ref().map(Going::standing) {
+            // It is asked where it arrives.
+            Some(None) => return,
+            own => own.flatten().filter(|live| live.base == oldest),
+        };
+        self.is_due = false;
         let turned = own.map(|live| (live.smaller(), live.left()));
         let turned = turned.filter(|((_, turned), left)| *turned || *left < WORTHWHILE);
         let runner = match turned {
@@ -258,9 +302,10 @@ impl Polytope {
         };
         if runner.is_some() {
             self.begun.clone_from(&self.known);
-            self.chaser = runner;
+            self.chaser = runner.map(Going::new);
         } else if self.live.is_none() && self.past.newest() >= self.pause {
-            self.live = self.window(self.past.newest(), None);
+            let live = self.window(self.past.newest(), None);
+            self.live = live.map(Going::new);
         }
     }
 

@@ -5,6 +5,7 @@
 )]
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use veribound_flow::form::Stretch;
 use veribound_interval::{Decimal, Interval};
@@ -27,7 +28,7 @@ pub(super) struct Moment {
 /// The last samples, so many at most.
 #[derive(Debug, Default)]
 pub(super) struct Past {
-    moments: VecDeque<Moment>,
+    moments: VecDeque<Arc<Moment>>,
     first: u64,
     /// Inputs until the oldest of them.
     before: Option<Vec<Interval>>,
@@ -37,7 +38,8 @@ impl Past {
     /// Forgets all.
     pub(super) fn clear(&mut self) {
         self.first += self.moments.len() as u64;
-        self.before = self.moments.drain(..).next_back().map(|last| last.inputs);
+        self.before = self.moments.back().map(|last| last.inputs.clone());
+        self.moments.clear();
     }
 
     /// Takes note of a sample, the one with number `sample`.
@@ -45,10 +47,25 @@ impl Past {
         if self.moments.is_empty() {
             self.first = sample;
         }
-        self.moments.push_back(moment);
+        self.moments.push_back(Arc::new(moment));
         if self.moments.len() > most.max(2) {
-            self.before = self.moments.pop_front().map(|oldest| oldest.inputs);
+            let oldest = self.moments.pop_front();
+            self.before = oldest.map(|oldest| oldest.inputs.clone());
             self.first += 1;
+        }
+    }
+
+    /// A sample and so many after it at most, with what is known of inputs until then.
+    pub(super) fn from(&self, sample: u64, most: usize) -> Past {
+        let begin = self.place(sample).min(self.moments.len());
+        let later = self.moments.range(begin..);
+        Past {
+            moments: later.take(most + 1).cloned().collect(),
+            first: sample,
+            before: match begin.checked_sub(1) {
+                None => self.before.clone(),
+                Some(before) => Some(self.moments[before].inputs.clone()),
+            },
         }
     }
 
@@ -78,14 +95,10 @@ impl Past {
         told.next().map(|told| told.1)
     }
 
-    /// The stretches from a sample on, so many at most.
-    pub(super) fn stretches(&self, from: u64, most: usize) -> Vec<Stretch> {
-        let begin = self.place(from);
-        let later = self
-            .moments
-            .range(begin..)
-            .zip(self.moments.range(begin + 1..));
-        let stretches = later.take(most).map(|(moment, next)| Stretch {
+    /// The stretches between the samples that are kept.
+    pub(super) fn stretches(&self) -> Vec<Stretch> {
+        let later = self.moments.iter().zip(self.moments.iter().skip(1));
+        let stretches = later.map(|(moment, next)| Stretch {
             inputs: moment.inputs.clone(),
             dt: next.dt,
         });

@@ -4,7 +4,7 @@
     reason = "PROOF: unknowns in the order of the form's, quantities of the problem"
 )]
 
-use std::cell::Cell as Shared;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use super::past::Past;
 use crate::identify::cell::Cell;
@@ -13,7 +13,7 @@ use crate::identify::problem::Problem;
 use crate::identify::region::{Region, scales_of};
 use crate::identify::rows::{Affine, Rows};
 use crate::identify::simplex::{Program, Side, minimum};
-use veribound_flow::form::{Form, FormOptions, Meeting, Stretch, Strip};
+use veribound_flow::form::{Allowance, Form, FormOptions, Meeting, Stretch, Strip};
 use veribound_interval::Interval;
 use veribound_interval::round::{sub_down, sub_up};
 
@@ -24,10 +24,13 @@ const FARTHER: f64 = 1.2;
 pub(super) const PATIENCE: usize = 16;
 
 /// Steps of one journey cost about so many products of coefficients: no further sample is met when that is spent,
-const COST: f64 = 3e5;
+const COST: u64 = 300_000;
 
 /// and the journey ends after so many times that.
-const MOST: f64 = 4.0;
+const MOST: u64 = 4;
+
+/// What a linear program takes, in products of coefficients for each number of its rows.
+const LINEAR: f64 = 80.0;
 
 /// What is not affine grew, from one sample to the next, by more than this factor and this share of a width where boxes had
 /// to go on for want of a crossing: with more samples ahead it may be proved.
@@ -171,39 +174,48 @@ impl Runner {
         cell.smaller(true)
     }
 
-    /// Goes on through at most `most` samples that are known, and keeps at most twice so many rows as `budget`.
+    /// Goes on through at most `most` samples of `past`, which begins at its own, and keeps at most twice so many rows as `rows`;
+    /// `newest` is the last one of the record. It waits wherever it has spent what `allowance` gave.
     ///
     /// Gives what becomes of it, and the states at the newest sample if it came so far.
     ///
-    /// Errors: a sample that no solution of the set agrees with.
-    pub(super) fn go(
+    /// Errors: a sample that no solution of the set agrees with; or nothing, where the rows together leave none.
+    pub(super) async fn go(
         &mut self,
         problem: &Problem,
-        past: &Past,
-        (most, budget): (usize, usize),
-    ) -> Result<(Fate, Option<Vec<Interval>>), Clash> {
-        let newest = past.newest();
-        let stretches = past.stretches(self.at, most + PATIENCE);
-        if (stretches.is_empty() && self.at > self.base) || newest < self.again {
-            return Ok((Fate::Alive, None));
-        }
-        let (found, here) = self.follow(problem, past, &stretches, most)?;
-        let states = here.map(|strips| {
-            let mut program = Program::new(&self.rows, &self.part, Side::Outer);
-            let mut around = |strip: &Strip| {
-                let rest = strip.remainder + Interval::point(strip.centre);
-                let reach = strip.slopes.iter().zip(&self.part);
-                let reach = reach.fold(rest, |sum, (g, x)| sum + Interval::point(*g) * *x);
-                reach.intersect(program.bounds(&strip.slopes) + rest)
-            };
-            strips.iter().map(&mut around).collect()
-        });
+        (past, newest): (&Past, u64),
+        (most, rows): (usize, usize),
+        allowance: &Allowance,
+    ) -> Result<(Fate, Option<Vec<Interval>>), Option<Clash>> {
+        let stretches = past.stretches();
+        let followed = self.follow(problem, (past, newest), (&stretches, most), allowance);
+        let (found, here) = followed.await?;
+        let states = match here {
+            None => None,
+            Some(strips) => {
+                let programs = 2 * strips.len();
+                allowance.spend(self.price_of(programs)).await;
+                let mut program = Program::new(&self.rows, &self.part, Side::Outer);
+                let mut around = |strip: &Strip| {
+                    let rest = strip.remainder + Interval::point(strip.centre);
+                    let reach = strip.slopes.iter().zip(&self.part);
+                    let reach = reach.fold(rest, |sum, (g, x)| sum + Interval::point(*g) * *x);
+                    reach.intersect(program.bounds(&strip.slopes) + rest)
+                };
+                Some(strips.iter().map(&mut around).collect())
+            }
+        };
         // Rows of samples that will be met again.
         let has_moved = found.at > self.at || stretches.is_empty();
         self.rows.truncate(found.rows);
         (self.form, self.at, self.anchor) = (found.form, found.at, found.anchor);
         self.hidden = found.hidden;
-        self.tighten(problem, past, budget)?;
+        if self.is_told_more(rows) {
+            let programs = 2 * (self.part.len() + self.region.centre.len());
+            allowance.spend(self.price_of(programs)).await;
+            self.tighten(problem, rows)?;
+        }
+        self.asked = self.rows.len();
         // One that stands waits for more samples, as long as they may help.
         let waits = self.at + PATIENCE as u64 > newest;
         if !has_moved {
@@ -217,17 +229,31 @@ impl Runner {
         Ok((fate, states))
     }
 
+    /// What so many linear programs take, in products of coefficients.
+    fn price_of(&self, programs: usize) -> f64 {
+        LINEAR * (programs * (self.rows.len() + 1) * self.part.len()) as f64
+    }
+
+    /// Whether there is a sample that it has not met, and may meet now that `newest` is known.
+    pub(super) fn may_go(&self, newest: u64) -> bool {
+        (self.at < newest || self.at == self.base) && newest >= self.again
+    }
+
     /// Moves the form, and writes down what samples say.
-    fn follow(
+    async fn follow(
         &mut self,
         problem: &Problem,
-        past: &Past,
-        stretches: &[Stretch],
-        most: usize,
+        (past, newest): (&Past, u64),
+        (stretches, most): (&[Stretch], usize),
+        allowance: &Allowance,
     ) -> Result<(Found, Option<Vec<Strip>>), Clash> {
-        let (begin, newest) = (self.at, past.newest());
+        let begin = self.at;
         let is_first = begin == self.base && self.asked == 0;
-        let (over, spent) = (Shared::new(false), Shared::new(0.0));
+        let (over, spent) = (AtomicBool::new(false), AtomicU64::new(0));
+        let (ends, is_over) = (
+            || over.store(true, Ordering::Relaxed),
+            || over.load(Ordering::Relaxed),
+        );
         let form = self.form.clone();
         let before = form.strips();
         let mut found = Found {
@@ -240,7 +266,7 @@ impl Runner {
         let (mut here, mut clash) = (None, None);
         let meet = &mut |meeting: Meeting<'_>| {
             let sample = begin + meeting.stretch as u64;
-            if clash.is_some() || over.get() || (sample == begin && !is_first) {
+            if clash.is_some() || is_over() || (sample == begin && !is_first) {
                 return;
             }
             let is_passing = meeting.is_passing;
@@ -249,7 +275,7 @@ impl Runner {
                 Ok(met) => met,
                 Err(found) => {
                     clash = Some(found);
-                    over.set(true);
+                    ends();
                     return;
                 }
             };
@@ -274,14 +300,18 @@ impl Runner {
             found.form = form.clone();
             found.at = sample;
             found.rows = self.rows.len();
-            over.set(sample >= begin + most as u64 || spent.get() >= COST);
+            if sample >= begin + most as u64 || spent.load(Ordering::Relaxed) >= COST {
+                ends();
+            }
         };
         let go_on = |form: &Form| {
-            spent.set(spent.get() + form.cost());
-            !over.get() && spent.get() <= MOST * COST.max(form.cost())
+            let cost = form.cost() as u64;
+            let spent = spent.fetch_add(cost, Ordering::Relaxed) + cost;
+            !is_over() && spent <= MOST * COST.max(cost)
         };
         // On failure what was met stays.
-        let _ = problem.outer.flow.follow(form, stretches, meet, &go_on);
+        let flow = &problem.outer.flow;
+        let _ = flow.travel(form, stretches, meet, &go_on, allowance).await;
         match clash {
             Some(clash) => Err(clash),
             None => Ok((found, here)),
@@ -347,19 +377,17 @@ impl Runner {
         Ok((form, sight))
     }
 
-    /// Narrows the unknowns, where rows say more than before, and leaves out the rows that say least if there are
-    /// more than twice so many as `budget`.
-    fn tighten(&mut self, problem: &Problem, past: &Past, budget: usize) -> Result<(), Clash> {
+    /// Whether rows say more than when they were asked, or are more than twice so many as `most`.
+    fn is_told_more(&self, most: usize) -> bool {
         let is_first = self.vertices.is_empty() && self.rows.len() > 0;
-        let is_full = self.rows.len() > 2 * budget;
-        if !is_first && !is_full && !self.is_cut() {
-            self.asked = self.rows.len();
-            return Ok(());
-        }
-        self.part = match contract(&self.rows) {
-            Ok(part) => part,
-            Err(_) => return Err(self.explain(past)),
-        };
+        is_first || self.rows.len() > 2 * most || self.is_cut()
+    }
+
+    /// Narrows the unknowns, and leaves out the rows that say least if there are more than twice so many as `most`.
+    ///
+    /// Errors: all rows together leave nothing.
+    fn tighten(&mut self, problem: &Problem, most: usize) -> Result<(), Option<Clash>> {
+        self.part = contract(&self.rows).map_err(|_| None)?;
         if self.part.iter().any(|part| part.rad() < WORTHWHILE) {
             self.form.narrow(&self.part);
             let by = scales_of(&self.part);
@@ -373,10 +401,9 @@ impl Runner {
         }
         self.rows.prune();
         self.ask(problem);
-        if self.rows.len() > 2 * budget {
-            self.leave_out(budget);
+        if self.rows.len() > 2 * most {
+            self.leave_out(most);
         }
-        self.asked = self.rows.len();
         Ok(())
     }
 
@@ -434,7 +461,7 @@ impl Runner {
     }
 
     /// Leaves out all rows but those that are nearest to where a quantity is least or largest.
-    fn leave_out(&mut self, budget: usize) {
+    fn leave_out(&mut self, most: usize) {
         let nearest = |row: usize| {
             let all = self.vertices.iter().map(|at| self.slack(row, at));
             all.fold(f64::INFINITY, f64::min)
@@ -443,15 +470,12 @@ impl Runner {
         let mut order: Vec<usize> = (0..slacks.len()).collect();
         order.sort_by(|a, b| slacks[*a].total_cmp(&slacks[*b]).then(b.cmp(a)));
         let mut is_kept = vec![false; slacks.len()];
-        order
-            .iter()
-            .take(budget)
-            .for_each(|row| is_kept[*row] = true);
+        order.iter().take(most).for_each(|row| is_kept[*row] = true);
         self.rows.retain(|_, row| is_kept[row]);
     }
 
     /// The first row that leaves nothing, as a sample and what the rows before say of it.
-    fn explain(&self, past: &Past) -> Clash {
+    pub(super) fn explain(&self, past: &Past) -> Clash {
         let unknowns = self.rows.unknowns();
         let before = |row: usize| {
             let mut before = self.rows.clone();

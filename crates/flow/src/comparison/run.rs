@@ -6,8 +6,7 @@
 
 use super::Comparison;
 use super::order::{Order, Slopes, direction};
-use crate::form::{Effort, Enclosure, Flow, FormOptions, Obstacle, Standing, Stretch};
-use std::cell::Cell;
+use crate::form::{Effort, Enclosure, Flow, FormOptions, Obstacle, Spent, Standing, Stretch};
 use veribound_interval::Interval;
 use veribound_model::Var;
 
@@ -122,8 +121,8 @@ pub(super) struct Question<'a> {
     effort: Effort,
     /// What sets with unknowns may cost, and have cost.
     most: f64,
-    spent: Cell<f64>,
-    go_on: &'a dyn Fn(Standing) -> bool,
+    spent: Spent,
+    go_on: &'a (dyn Fn(Standing) -> bool + Sync),
 }
 
 impl Question<'_> {
@@ -136,16 +135,16 @@ impl Question<'_> {
         let set = (states, params);
         let go_on = |standing: Standing| {
             if standing.unknowns > 0 {
-                self.spent.set(self.spent.get() + standing.cost);
+                self.spent.add(standing.cost);
             }
-            self.spent.get() <= self.most && (self.go_on)(standing)
+            self.spent.all() <= self.most && (self.go_on)(standing)
         };
         let mut enclosure =
             self.flow
                 .enclose_watched(set, pieces, self.options, self.effort, &go_on);
         if let Some(stopped) = &mut enclosure.stopped
             && stopped.obstacle == Obstacle::Interrupted
-            && self.spent.get() > self.most
+            && self.spent.all() > self.most
         {
             stopped.obstacle = Obstacle::Costly;
         }
@@ -158,7 +157,7 @@ impl Question<'_> {
         let params = order.corner(self.states.len(), self.params, 1);
         let form = self.flow.start(&states, &params, self.options);
         form.unknowns().is_empty()
-            || self.spent.get() + 2.0 * pieces as f64 * form.cost() <= self.most
+            || self.spent.all() + 2.0 * pieces as f64 * form.cost() <= self.most
     }
 }
 
@@ -201,7 +200,7 @@ impl Comparison {
         (states, params): (&[Interval], &[Interval]),
         stretches: &[Stretch],
         (options, effort, most): (FormOptions, Effort, f64),
-        go_on: &dyn Fn(Standing) -> bool,
+        go_on: &(dyn Fn(Standing) -> bool + Sync),
     ) -> Result<Compared, Vec<Disorder>> {
         let question = Question {
             flow,
@@ -210,7 +209,7 @@ impl Comparison {
             options,
             effort,
             most,
-            spent: Cell::new(0.0),
+            spent: Spent::default(),
             go_on,
         };
         let mut known = Known {

@@ -7,7 +7,11 @@ use veribound_interval::Interval;
 
 impl Engines {
     /// One box from stretch to stretch.
-    pub(super) fn boxes(&self, task: Task<'_>, go_on: &dyn Fn(Standing) -> bool) -> Enclosure {
+    pub(super) fn boxes(
+        &self,
+        task: Task<'_>,
+        go_on: &(dyn Fn(Standing) -> bool + Sync),
+    ) -> Enclosure {
         let system = self.flow.system();
         let mut workspace = Workspace::new(system, StepOptions::default());
         let mut result = Enclosure {

@@ -10,9 +10,8 @@ mod boxes;
 
 use crate::comparison::{Compared, Comparison, Disorder, Outlook};
 use crate::form::{
-    Diverged, Effort, Enclosure, Flow, FormOptions, Obstacle, Part, Standing, Stretch,
+    Diverged, Effort, Enclosure, Flow, FormOptions, Obstacle, Part, Spent, Standing, Stretch,
 };
-use std::cell::Cell;
 use std::sync::OnceLock;
 use veribound_interval::Interval;
 use veribound_model::Model;
@@ -203,7 +202,7 @@ impl Engines {
         &self,
         engine: Engine,
         task: Task<'_>,
-        go_on: &dyn Fn(Standing) -> bool,
+        go_on: &(dyn Fn(Standing) -> bool + Sync),
     ) -> Answer {
         match engine {
             Engine::Auto => self.best(task, go_on),
@@ -223,7 +222,7 @@ impl Engines {
         }
     }
 
-    fn forms(&self, task: Task<'_>, go_on: &dyn Fn(Standing) -> bool) -> Enclosure {
+    fn forms(&self, task: Task<'_>, go_on: &(dyn Fn(Standing) -> bool + Sync)) -> Enclosure {
         let set = (task.states, task.params);
         self.flow
             .enclose_watched(set, task.stretches, task.options, task.effort, go_on)
@@ -241,7 +240,7 @@ impl Engines {
         &self,
         task: Task<'_>,
         most: f64,
-        go_on: &dyn Fn(Standing) -> bool,
+        go_on: &(dyn Fn(Standing) -> bool + Sync),
     ) -> Result<Compared, Vec<Disorder>> {
         let set = (task.states, task.params);
         let settings = (task.options, task.effort, most);
@@ -250,7 +249,7 @@ impl Engines {
     }
 
     /// Forms that move by closed forms.
-    fn closed(&self, task: Task<'_>, go_on: &dyn Fn(Standing) -> bool) -> Enclosure {
+    fn closed(&self, task: Task<'_>, go_on: &(dyn Fn(Standing) -> bool + Sync)) -> Enclosure {
         if let Some(state) = self.flow.curved() {
             return self.nothing(task, (Obstacle::NotAffine, state));
         }
@@ -287,7 +286,7 @@ impl Engines {
         }
     }
 
-    fn best(&self, task: Task<'_>, go_on: &dyn Fn(Standing) -> bool) -> Answer {
+    fn best(&self, task: Task<'_>, go_on: &(dyn Fn(Standing) -> bool + Sync)) -> Answer {
         let outlook = self.outlook(task);
         let mut compared = None;
         if !outlook.corners.is_empty() && outlook.kept.is_empty() {
@@ -298,9 +297,9 @@ impl Engines {
                 other => compared = Some(other),
             }
         }
-        let spent = Cell::new(0.0);
+        let spent = Spent::default();
         let watched = |standing: Standing| {
-            spent.set(spent.get() + standing.cost);
+            spent.add(standing.cost);
             go_on(standing)
         };
         let (engine, forms) = if self.is_long(task) {
@@ -321,7 +320,7 @@ impl Engines {
         if !interrupted && !tight && !outlook.corners.is_empty() {
             let keeps = |known: &Result<Compared, _>| !matches!(known, Ok(c) if c.kept.is_empty());
             if compared.as_ref().is_none_or(keeps) {
-                compared = Some(self.compare(task, WORTH * spent.get(), go_on));
+                compared = Some(self.compare(task, WORTH * spent.all(), go_on));
             }
         }
         let mut answer = Answer::of(forms, engine);

@@ -21,6 +21,7 @@ use super::outward::raised;
 use super::parting::{Portion, Undecided, ends};
 use super::passing::Passing;
 use super::range::range;
+use super::regime::Regime;
 use super::set::Form;
 use super::surfaces::Signs;
 use veribound_interval::Interval;
@@ -31,6 +32,14 @@ const AT_REST: usize = 8;
 
 /// Solutions that leave in more stretches do not become one form.
 const MOST: usize = 24;
+
+/// What becomes one form at a sample takes so many multiplications of polynomials.
+const SAMPLE: f64 = 8.0;
+
+/// Whether all leave is asked of so large a share of those that stay, which do so for the longest, and takes so many multiplications of
+/// polynomials.
+const LAST: f64 = 1.0 / 64.0;
+const OUTLOOK: f64 = 16.0;
 
 /// The border of those that leave a rest is at least and at most so wide a share of one unknown.
 const BORDER: f64 = 1.0 / 16_384.0;
@@ -51,6 +60,17 @@ struct Zeros {
     hi: f64,
     /// Whether the polynomial grows with it.
     grows: bool,
+}
+
+/// Where one unknown parts those that stay from those that leave.
+struct Divided {
+    unknown: usize,
+    /// Between these values.
+    stays: (f64, f64),
+    leaves: (f64, f64),
+    /// The end, on the side of those that leave, of what is not told.
+    border: f64,
+    leaves_above: bool,
 }
 
 /// Solutions of a form that rest when a stretch begins, and those that leave in it.
@@ -90,9 +110,9 @@ struct OnTheWay<'a> {
 
 impl OnTheWay<'_> {
     /// Goes on to the next sample.
-    fn go_on(&mut self, passing: &mut Passing) -> Option<()> {
+    async fn go_on(&mut self, passing: &mut Passing) -> Option<()> {
         for (journey, _) in &mut self.slices {
-            let end = journey.go_to_sample(passing)?;
+            let end = journey.go_to_sample(passing).await?;
             passing.at(end);
         }
         // Where all of them move, the border is too thin to be seen.
@@ -135,16 +155,23 @@ fn joined<'a>(
 /// Those that left in one stretch, and which part of the whole they are.
 type Gone = (Form, Share);
 
-impl Journey<'_> {
+impl<'a> Journey<'a> {
     /// Takes a form that rests when a stretch begins to where all its solutions have left the surface, each in a stretch of its own, as one form or
     /// as parts, if there may be so many; or divides it into those that stay and those that leave in this stretch. `None`, and nothing is
     /// changed, if neither is proved.
-    pub(super) fn break_away(&mut self, undecided: &Undecided) -> Option<()> {
+    pub(super) async fn break_away(&mut self, undecided: &Undecided) -> Option<()> {
         if self.is_border {
             return None;
         }
-        let parted = self.parted(undecided)?;
+        self.spend(OUTLOOK).await;
+        let divided = self.form.divided(undecided)?;
         let surface = undecided.open.surface;
+        // Where some rest on, all are only moved on if the set may be divided.
+        let may_all_leave = self.may_all_leave(&divided, surface);
+        if !may_all_leave && self.may_part < 2 {
+            return None;
+        }
+        let parted = self.parted(divided).await?;
         let portion = |form: Form| Portion {
             form,
             is_border: false,
@@ -156,7 +183,11 @@ impl Journey<'_> {
             form.choose_order();
             form.settle().ok().map(|()| form)
         };
-        if let Some((mut samples, gone)) = self.all_break_away(&parted, surface) {
+        let all_gone = match may_all_leave {
+            true => self.all_break_away(&parted, surface).await,
+            false => None,
+        };
+        if let Some((mut samples, gone)) = all_gone {
             if gone.len() > self.may_part || self.others + gone.len() > AT_REST {
                 let all: Vec<_> = gone.iter().map(|(form, share)| (form, *share)).collect();
                 let form = released(self.form.joined(parted.unknown, &all)?)?;
@@ -187,44 +218,44 @@ impl Journey<'_> {
         Some(())
     }
 
-    /// Divides the form, at rest at the begin of the stretch at hand, and takes those that leave to its end.
-    fn parted(&self, undecided: &Undecided) -> Option<Parted> {
-        let (whole, open) = (&self.form, &undecided.open);
-        let way = undecided.way?;
-        let zeros = whole.zeros_along(&open.polynomial, open.off)?;
-        let (v, lo, hi) = (zeros.unknown, zeros.lo, zeros.hi);
-        let leaves_above = (way == Signs::POSITIVE) == zeros.grows;
-        let (stays, leaves) = if leaves_above {
-            ((-1.0, lo), (lo, 1.0))
-        } else {
-            ((hi, 1.0), (-1.0, hi))
+    /// Whether those that rest for the longest leave in one of the next stretches: a hint.
+    fn may_all_leave(&self, divided: &Divided, surface: usize) -> bool {
+        let (near, far) = match divided.leaves_above {
+            true => (divided.stays.1, divided.stays.0),
+            false => divided.stays,
         };
-        let (stay, stays) = whole.between(v, stays)?;
-        let (mut all, leaves) = whole.between(v, leaves)?;
+        let ends = (far, far + LAST * (near - far));
+        let Some((last, _)) = self.form.between(divided.unknown, ends) else {
+            return false;
+        };
+        let mut last = self.beside(last);
+        (self.current..self.until.min(self.current + MOST)).any(|stretch| {
+            let inputs = |stretch: usize| &self.stretches[stretch].inputs;
+            let is_new = stretch == self.current || inputs(stretch) != inputs(stretch - 1);
+            last.enter(stretch);
+            let leaves = |regime: Regime| regime.signs[surface] != Signs::ZERO;
+            is_new && last.regime().is_ok_and(leaves)
+        })
+    }
+
+    /// Takes those that leave a rest at the begin of the stretch at hand to its end.
+    async fn parted(&self, divided: Divided) -> Option<Parted> {
+        let (whole, v) = (&self.form, divided.unknown);
+        let (stay, stays) = whole.between(v, divided.stays)?;
+        let (mut all, leaves) = whole.between(v, divided.leaves)?;
         // Fresh unknowns stay what they are.
         all.options.absorb = f64::INFINITY;
         // The border within those that leave, and how far the others are from its end, at most.
         let (centre, radius) = leaves.mid_rad();
-        let (cut, outward) = if leaves_above {
-            ((hi - centre) / radius, 1.0)
-        } else {
-            ((lo - centre) / radius, -1.0)
-        };
+        let cut = (divided.border - centre) / radius;
+        let outward = if divided.leaves_above { 1.0 } else { -1.0 };
         let (thin, wide) = (1.0 + outward * cut, 1.0 - outward * cut);
         let mut passing = Passing::new(whole.states.len());
-        let moved = |passing: &mut Passing, ends: (f64, f64), is_border: bool| {
-            let (form, place) = all.between(v, ends)?;
-            let mut journey = self.beside(form);
-            journey.is_border = is_border;
-            if is_border {
-                journey.creep_from_rest();
-            }
-            let end = journey.go_to_sample(passing)?.to_vec();
-            passing.at(&end);
-            Some((journey, Share::of(place)))
-        };
+        let slice = (&all, v);
         let mut together = passing.clone();
-        let others = moved(&mut together, (cut, outward), false);
+        let others = self
+            .moved(slice, &mut together, (cut, outward), false)
+            .await;
         // One right-hand side was certain all the way, unless boxes were asked.
         let mut slices = match others.filter(|(journey, _)| journey.workspace.is_none()) {
             Some(others) => {
@@ -239,12 +270,14 @@ impl Journey<'_> {
                 let edges: Vec<f64> = edges.collect();
                 let mut slices = Vec::with_capacity(edges.len());
                 for edges in edges.windows(2) {
-                    slices.push(moved(&mut passing, (edges[0], edges[1]), false)?);
+                    let edges = (edges[0], edges[1]);
+                    slices.push(self.moved(slice, &mut passing, edges, false).await?);
                 }
                 slices
             }
         };
-        slices.push(moved(&mut passing, (-outward, cut), true)?);
+        let border = (-outward, cut);
+        slices.push(self.moved(slice, &mut passing, border, true).await?);
         let creep = slices
             .last_mut()
             .and_then(|(border, _)| border.creep.take());
@@ -266,9 +299,32 @@ impl Journey<'_> {
         })
     }
 
+    /// Those of `all` for whom an unknown lies between these ends, at the end of the stretch at hand.
+    async fn moved(
+        &self,
+        (all, unknown): (&Form, usize),
+        passing: &mut Passing,
+        ends: (f64, f64),
+        is_border: bool,
+    ) -> Option<(Journey<'a>, Share)> {
+        let (form, place) = all.between(unknown, ends)?;
+        let mut journey = self.beside(form);
+        journey.is_border = is_border;
+        if is_border {
+            journey.creep_from_rest();
+        }
+        let end = journey.go_to_sample(passing).await?.to_vec();
+        passing.at(&end);
+        Some((journey, Share::of(place)))
+    }
+
     /// The way to the end of the stretch in which the last solutions leave, if they leave in few stretches; and there the forms of those that left in
     /// the same stretch.
-    fn all_break_away(&self, first: &Parted, surface: usize) -> Option<(Vec<Passing>, Vec<Gone>)> {
+    async fn all_break_away(
+        &self,
+        first: &Parted,
+        surface: usize,
+    ) -> Option<(Vec<Passing>, Vec<Gone>)> {
         let v = first.unknown;
         let beside = |form: &Form, stretch: usize| {
             let mut form = form.clone();
@@ -284,12 +340,15 @@ impl Journey<'_> {
         for stretch in self.current..self.until.min(self.current + MOST) {
             let mut passing = Passing::new(self.form.states.len());
             for part in &mut gone {
-                part.go_on(&mut passing)?;
+                part.go_on(&mut passing).await?;
             }
             let parted = match resting.regime() {
                 _ if stretch == self.current => Some(first.clone()),
                 Ok(_) => None,
-                Err(undecided) => Some(resting.parted(&undecided?)?),
+                Err(undecided) => {
+                    let divided = resting.form.divided(&undecided?)?;
+                    Some(resting.parted(divided).await?)
+                }
             };
             if let Some(parted) = parted {
                 if parted.unknown != v {
@@ -316,7 +375,7 @@ impl Journey<'_> {
                 resting = beside(&parted.stay, stretch);
             }
             let is_last = resting.regime().ok()?.signs[surface] != Signs::ZERO;
-            let end = resting.go_to_sample(&mut passing)?;
+            let end = resting.go_to_sample(&mut passing).await?;
             passing.at(end);
             if is_last {
                 samples.push(passing);
@@ -327,6 +386,7 @@ impl Journey<'_> {
                 forms.push((resting.form, share));
                 return Some((samples, forms));
             }
+            self.spend(SAMPLE).await;
             if self.meet.is_some() {
                 let forms = gone.iter().map(OnTheWay::form);
                 let forms = forms.collect::<Option<Vec<_>>>()?;
@@ -342,6 +402,27 @@ impl Journey<'_> {
 }
 
 impl Form {
+    /// Where the unknown that decides parts those that stay from those that leave.
+    fn divided(&self, undecided: &Undecided) -> Option<Divided> {
+        let open = &undecided.open;
+        let way = undecided.way?;
+        let zeros = self.zeros_along(&open.polynomial, open.off)?;
+        let (lo, hi) = (zeros.lo, zeros.hi);
+        let leaves_above = (way == Signs::POSITIVE) == zeros.grows;
+        let (stays, leaves, border) = if leaves_above {
+            ((-1.0, lo), (lo, 1.0), hi)
+        } else {
+            ((hi, 1.0), (-1.0, hi), lo)
+        };
+        Some(Divided {
+            unknown: zeros.unknown,
+            stays,
+            leaves,
+            border,
+            leaves_above,
+        })
+    }
+
     /// The part in which an unknown lies between two numbers of the unit interval, and where that is.
     fn between(&self, v: usize, (from, to): (f64, f64)) -> Option<(Form, Interval)> {
         let mut unit = vec![Interval::symmetric(1.0); self.unknowns.len()];

@@ -52,6 +52,9 @@ use veribound_model::Level;
 /// Windows are longer than they should have to be by the first share, or else by the second.
 const SPARE: [f64; 2] = [0.3, 1.5];
 
+/// What a try takes, in multiplications of polynomials.
+const TRY: f64 = 8.0;
+
 /// Steps across may be so many times as long for how steep right-hand sides are.
 const HURRY: f64 = 4.0;
 
@@ -90,15 +93,27 @@ struct Beyond {
 impl Journey<'_> {
     /// Takes the form across the zero of a watched expression; `None`, and nothing is changed, if that is
     /// not proved.
-    pub(super) fn cross(&mut self, acting: &mut Acting, watch: usize, unit: f64) -> Option<()> {
+    pub(super) async fn cross(
+        &mut self,
+        acting: &mut Acting,
+        watch: usize,
+        unit: f64,
+    ) -> Option<()> {
         let (root, spread) = acting.estimate(watch, unit)?;
         let window = root + (0.5 + SPARE[0]) * spread;
-        if self.cross_by_samples(acting, watch, window).is_some() {
+        if self.cross_by_samples(acting, watch, window).await.is_some() {
             return Some(());
         }
-        SPARE
-            .iter()
-            .find_map(|spare| self.cross_within(acting, watch, (root, spread, *spare)))
+        for spare in SPARE {
+            self.spend(TRY).await;
+            if self
+                .cross_within(acting, watch, (root, spread, spare))
+                .is_some()
+            {
+                return Some(());
+            }
+        }
+        None
     }
 
     fn cross_within(
@@ -835,7 +850,7 @@ impl Acting {
             }
             let place = (&self.scratch, &*form.monomials);
             let own = (watch, own.sign, steady[watch]);
-            self.piece.first_trouble(place, own, span).is_none()
+            self.piece.is_calm(place, own, span)
         })
     }
 
@@ -854,7 +869,7 @@ impl Acting {
         let place = (&self.scratch, &*form.monomials);
         let all_calm = others.all(|(other, asked)| {
             let asked = (other, asked.sign, steady[other]);
-            self.piece.first_trouble(place, asked, span).is_none()
+            self.piece.is_calm(place, asked, span)
         });
         if !all_calm {
             return None;

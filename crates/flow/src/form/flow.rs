@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::allowance::{Allowance, at_once};
 use super::closed::{Linear, balanced, slopes_of};
 use super::journey::{Journey, Meeting};
 use super::output::Output;
@@ -168,7 +169,7 @@ impl Flow {
         };
         let mut journey = Journey::new(self, form.clone(), std::slice::from_ref(&stretch));
         journey.whole_at_end = true;
-        journey.run()?;
+        at_once(journey.run())?;
         let tube = journey.proved.tubes.pop();
         *form = journey.form;
         form.tube = tube.unwrap_or_else(|| form.quick_hull());
@@ -187,14 +188,35 @@ impl Flow {
         &self,
         form: Form,
         stretches: &[Stretch],
-        meet: &mut dyn FnMut(Meeting<'_>),
-        go_on: &dyn Fn(&Form) -> bool,
+        meet: &mut (dyn FnMut(Meeting<'_>) + Send + Sync),
+        go_on: &(dyn Fn(&Form) -> bool + Sync),
     ) -> Result<(), Diverged> {
         let mut journey = Journey::new(self, form, stretches);
         journey.whole_at_end = true;
         journey.go_on = go_on;
         journey.meet = Some(meet);
-        journey.run()
+        at_once(journey.run())
+    }
+
+    /// As [`Flow::follow`], but put aside whenever what `allowance` gave is spent; polled again ([`poll`](super::poll)), it goes on.
+    ///
+    /// Guarantee and errors: those of [`Flow::follow`]. Nothing depends on how often it was put aside.
+    ///
+    /// Example: [`Allowance`].
+    pub async fn travel(
+        &self,
+        form: Form,
+        stretches: &[Stretch],
+        meet: &mut (dyn FnMut(Meeting<'_>) + Send + Sync),
+        go_on: &(dyn Fn(&Form) -> bool + Sync),
+        allowance: &Allowance,
+    ) -> Result<(), Diverged> {
+        let mut journey = Journey::new(self, form, stretches);
+        journey.whole_at_end = true;
+        journey.go_on = go_on;
+        journey.meet = Some(meet);
+        journey.allowance = Some(allowance);
+        journey.run().await
     }
 
     /// Whether the state can jump at all.

@@ -10,8 +10,10 @@
 )]
 
 use std::collections::VecDeque;
+use std::pin::Pin;
 use std::sync::Arc;
 
+use super::allowance::Allowance;
 use super::closed::Chains;
 use super::creeping::Creep;
 use super::flow::{Diverged, Flow};
@@ -22,7 +24,7 @@ use super::proved::{Mark, Proved};
 use super::regime::{Field, Reason, Regime};
 use super::run::Stretch;
 use super::set::Form;
-use super::several::{Ahead, Several};
+use super::several::{Ahead, Reach, Several};
 use super::step::{Arrival, End, Obstacle, Prepared, Scratch};
 use super::surfaces::Signs;
 use crate::step::Workspace;
@@ -39,6 +41,12 @@ const APPROACH: f64 = 0.5;
 /// A crossing begins so much earlier than the first solution may meet the surface, as share of the time that all
 /// of them take: the times of crossings are polynomials, which may be early.
 const SLACK: f64 = 0.3;
+
+/// What a step takes, in multiplications of polynomials,
+const STEP: f64 = 4.0;
+
+/// and what a window takes in which signs are asked, in products for each coefficient.
+const WINDOW: f64 = 40.0;
 
 /// A regime, compiled, with scratch for the form at hand.
 pub(super) struct Acting {
@@ -207,9 +215,11 @@ pub(super) struct Journey<'a> {
     pub(super) most: f64,
     pub(super) proved: Proved,
     /// Asked at every step whether to go on.
-    pub(super) go_on: &'a dyn Fn(&Form) -> bool,
+    pub(super) go_on: &'a (dyn Fn(&Form) -> bool + Sync),
+    /// Work that may be done before it is put aside.
+    pub(super) allowance: Option<&'a Allowance>,
     /// Shown the form wherever a stretch begins, and at the end of the last one.
-    pub(super) meet: Option<&'a mut dyn FnMut(Meeting<'_>)>,
+    pub(super) meet: Option<&'a mut (dyn FnMut(Meeting<'_>) + Send + Sync)>,
     /// Forms at begins of stretches that the last crossing went over.
     pub(super) passed_by: Vec<(usize, Form, Option<Arriving>)>,
     /// Whether outputs are told, too.
@@ -275,6 +285,7 @@ impl<'a> Journey<'a> {
             most: f64::INFINITY,
             proved: Proved::default(),
             go_on: &|_| true,
+            allowance: None,
             meet: None,
             passed_by: Vec::new(),
             tells_outputs: false,
@@ -357,7 +368,7 @@ impl<'a> Journey<'a> {
 
     /// Goes through all stretches, or to where the form was divided: then the parts are in [`Journey::parts`]. On
     /// failure the form stands somewhere on the way.
-    pub(super) fn run(&mut self) -> Result<(), Diverged> {
+    pub(super) async fn run(&mut self) -> Result<(), Diverged> {
         self.meet_form();
         while self.current < self.until {
             if self.left.hi() <= 0.0 {
@@ -377,8 +388,9 @@ impl<'a> Journey<'a> {
                 continue;
             }
             let known = self.proved.len();
+            self.spend(STEP).await;
             let mut moved = if (self.go_on)(&self.form) {
-                self.step_on()
+                self.step_on().await
             } else {
                 Err(Obstacle::Interrupted)
             };
@@ -408,6 +420,20 @@ impl<'a> Journey<'a> {
             }
         }
         Ok(())
+    }
+
+    /// As [`Journey::run`], on the way of another one.
+    pub(super) fn run_beside(
+        &mut self,
+    ) -> Pin<Box<dyn Future<Output = Result<(), Diverged>> + Send + '_>> {
+        Box::pin(self.run())
+    }
+
+    /// Spends so many multiplications of polynomials, and waits where that was more than is allowed now.
+    pub(super) async fn spend(&self, multiplications: f64) {
+        if let Some(allowance) = self.allowance {
+            allowance.spend(multiplications * self.form.cost()).await;
+        }
     }
 
     /// Encloses the states at the end of a stretch.
@@ -536,7 +562,7 @@ impl<'a> Journey<'a> {
     }
 
     /// One step of whatever kind is possible.
-    fn step_on(&mut self) -> Result<(), Obstacle> {
+    async fn step_on(&mut self) -> Result<(), Obstacle> {
         if let Some(ahead) = self.ahead.take()
             && self.go_ahead(ahead).is_some()
         {
@@ -556,7 +582,7 @@ impl<'a> Journey<'a> {
                     let certain = self.certain.take();
                     if let (None, Some(undecided)) = (&certain, undecided)
                         && self.left == self.stretches[self.current].dt
-                        && self.break_away(&undecided).is_some()
+                        && self.break_away(&undecided).await.is_some()
                     {
                         return Ok(());
                     }
@@ -566,8 +592,8 @@ impl<'a> Journey<'a> {
         }
         self.certain = None;
         match self.acting.take() {
-            Some(acting) => self.smooth(acting),
-            None => self.mixed(None, Obstacle::Jump),
+            Some(acting) => self.smooth(acting).await,
+            None => self.mixed(None, Obstacle::Jump).await,
         }
     }
 
@@ -609,7 +635,7 @@ impl<'a> Journey<'a> {
     }
 
     /// A step of the regime, as far as it is certain.
-    fn smooth(&mut self, mut acting: Acting) -> Result<(), Obstacle> {
+    async fn smooth(&mut self, mut acting: Acting) -> Result<(), Obstacle> {
         if acting.leaps {
             let leap = self.leap(&acting)?;
             acting.leaps = leap.unwrap_or(false);
@@ -619,27 +645,32 @@ impl<'a> Journey<'a> {
                 return Ok(());
             }
         }
-        if let Some(prepared) = self.prepare_several(&mut acting) {
-            return self.set_out(acting, prepared);
-        }
         let inputs = self.inputs();
-        let prepared = match acting.prepare(&self.form, inputs, self.left, self.shortest()) {
+        let prepared = match self.prepare_several(&mut acting) {
+            Some(Reach::Several(prepared)) => return self.set_out(acting, prepared),
+            Some(Reach::Less(prepared)) => Ok(prepared),
+            None => acting.prepare(&self.form, inputs, self.left, self.shortest()),
+        };
+        let prepared = match prepared {
             Ok(prepared) => prepared,
             // What may jump or has no slope somewhere may still have bounds.
             Err(why @ (Obstacle::Jump | Obstacle::Undefined)) => {
                 self.form.undefined += usize::from(why == Obstacle::Undefined);
-                return self.mixed(None, why);
+                return self.mixed(None, why).await;
             }
             Err(obstacle) => return Err(obstacle),
         };
         let span = prepared.bounds.span;
         let steady = acting.steady(inputs);
-        let trouble = acting.piece.trouble(
+        let (trouble, windows) = acting.piece.trouble(
             &acting.scratch,
             &self.form.monomials,
             (&acting.regime.watches, &steady),
             span,
         );
+        let coefficients = (self.form.monomials.len() * self.form.order) as f64;
+        let watched = WINDOW * windows as f64 * coefficients;
+        self.spend(watched / self.form.cost()).await;
         let Some(trouble) = trouble else {
             return self.move_whole(acting, &prepared);
         };
@@ -664,7 +695,7 @@ impl<'a> Journey<'a> {
             self.certain = Some(acting);
             return Ok(());
         }
-        if self.cross(&mut acting, trouble.watch, unit).is_some() {
+        if self.cross(&mut acting, trouble.watch, unit).await.is_some() {
             return Ok(());
         }
         if let Some(undecided) = self.undecided.take()
@@ -679,9 +710,10 @@ impl<'a> Journey<'a> {
             && let Some(regime) = self.bent()
         {
             let acting = Acting::new(self.flow, regime, &self.form);
-            return self.smooth(acting);
+            return Box::pin(self.smooth(acting)).await;
         }
         self.mixed(Some((acting, takes * unit)), Obstacle::Jump)
+            .await
     }
 
     /// The regime that is certain now, with all its kinks.

@@ -25,6 +25,9 @@ const NARROWER: f64 = 0.9;
 /// So many moments at least go into a stretch.
 const PARTS: f64 = 4.0;
 
+/// What a moment takes, in multiplications of polynomials.
+const MOMENT: f64 = 16.0;
+
 /// A moment is shortened at most so often.
 const SHORTENINGS: usize = 12;
 
@@ -32,11 +35,12 @@ impl Journey<'_> {
     /// Goes on for a moment; the regime that cannot go on, and how long its crossing takes, is a hint.
     ///
     /// Errors: `why` it was asked, where boxes cannot go on either.
-    pub(super) fn mixed(
+    pub(super) async fn mixed(
         &mut self,
         hint: Option<(Acting, f64)>,
         why: Obstacle,
     ) -> Result<(), Obstacle> {
+        self.spend(MOMENT).await;
         let (flow, inputs) = (self.flow, self.inputs());
         let workspace = self.workspace.take();
         let mut workspace =

@@ -64,6 +64,7 @@
 
 mod absorb;
 mod ahead;
+mod allowance;
 mod breakaway;
 mod closed;
 mod code;
@@ -103,6 +104,8 @@ pub(crate) mod surfaces;
 mod transport;
 mod watching;
 
+pub(crate) use allowance::Spent;
+pub use allowance::{Allowance, poll};
 pub use flow::{BoxAfter, Diverged, Flow};
 pub use journey::{Arriving, Meeting};
 pub use output::{Contradiction, Output, Strip};

@@ -55,10 +55,10 @@ impl Passing {
 impl Journey<'_> {
     /// Goes to the end of the stretch at hand, and encloses the states there; what happened on the way is added to what is told of the
     /// sample.
-    pub(super) fn go_to_sample(&mut self, passing: &mut Passing) -> Option<&[Interval]> {
+    pub(super) async fn go_to_sample(&mut self, passing: &mut Passing) -> Option<&[Interval]> {
         let (next, before) = (self.current + 1, self.proved.steps);
         self.until = next;
-        self.run().ok()?;
+        self.run_beside().await.ok()?;
         if !self.is_at(next) || !self.parts.is_empty() {
             return None;
         }

@@ -46,6 +46,37 @@ pub(super) fn range(monomials: &Monomials, polynomial: &[f64]) -> Interval {
     Interval::new(-below.bound(), above.bound()).unwrap_or(Interval::ENTIRE)
 }
 
+/// Whether `polynomial` is proved to be above `least` on `[-1, 1]^d`: as [`range`], but no more is done than that takes.
+pub(super) fn is_above(monomials: &Monomials, polynomial: &[f64], least: f64) -> bool {
+    let size: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
+    let negated: Vec<f64> = polynomial.iter().map(|x| -x).collect();
+    let mut below = Maximum::new(monomials, &negated);
+    for _ in 0..MOST_PARTS[0] {
+        let (bound, reached) = (below.bound(), below.reached);
+        let is_undecided = bound >= -least && reached < -least;
+        if !is_undecided || bound <= reached + ENOUGH * size || !below.divide(monomials) {
+            break;
+        }
+    }
+    below.bound() < -least
+}
+
+/// The value of a polynomial at the corner of the unit box at which its linear terms are least.
+pub(super) fn at_corner(monomials: &Monomials, polynomial: &[f64]) -> f64 {
+    let is_above = |v: usize| monomials.degree > 0 && polynomial[monomials.linear(v)] > 0.0;
+    let corner: Vec<bool> = (0..monomials.variables).map(is_above).collect();
+    let terms = polynomial.iter().enumerate().map(|(a, x)| {
+        let odd = monomials.exponents(a).iter().zip(&corner);
+        let below = odd.filter(|(e, is_below)| **is_below && !e.is_multiple_of(2));
+        if below.count().is_multiple_of(2) {
+            *x
+        } else {
+            -x
+        }
+    });
+    terms.sum()
+}
+
 /// What is known of the maximum of a polynomial.
 struct Maximum {
     /// Parts that cover the box.
@@ -71,21 +102,28 @@ impl Maximum {
     /// Divides so many parts, or until the bound is near to a value that is met.
     fn refine(&mut self, monomials: &Monomials, parts: usize, tolerance: f64) {
         for _ in 0..parts {
-            if self.bound() <= self.reached + tolerance {
+            if self.bound() <= self.reached + tolerance || !self.divide(monomials) {
                 return;
-            }
-            let Some(part) = self.open.pop() else { return };
-            let Some(variable) = part.worst(monomials) else {
-                self.open.push(part);
-                return;
-            };
-            for side in [-0.5, 0.5] {
-                let (half, error) = part.half(monomials, variable, side);
-                let half = Part::new(monomials, half, error);
-                self.reached = self.reached.max(half.reached);
-                self.open.push(half);
             }
         }
+    }
+
+    /// Divides the part that says least; false if that brings nothing.
+    fn divide(&mut self, monomials: &Monomials) -> bool {
+        let Some(part) = self.open.pop() else {
+            return false;
+        };
+        let Some(variable) = part.worst(monomials) else {
+            self.open.push(part);
+            return false;
+        };
+        for side in [-0.5, 0.5] {
+            let (half, error) = part.half(monomials, variable, side);
+            let half = Part::new(monomials, half, error);
+            self.reached = self.reached.max(half.reached);
+            self.open.push(half);
+        }
+        true
     }
 }
 
@@ -249,6 +287,10 @@ mod tests {
                     (lo, hi) = (lo.min(value), hi.max(value));
                 }
             }
+            let least = lo - 0.02 * (hi - lo) - 1e-9;
+            assert!(is_above(&monomials, &polynomial, least), "{least} of {lo}");
+            assert!(!is_above(&monomials, &polynomial, lo), "{lo}");
+            assert!(bounds.contains(at_corner(&monomials, &polynomial)));
             assert!(
                 bounds.width() <= 1.01 * (hi - lo) + 1e-12,
                 "{bounds} for {lo} {hi}"

@@ -4,13 +4,14 @@
     reason = "PROOF: one entry per state, unknown or stretch, from the same lists"
 )]
 
+use super::allowance::at_once;
 use super::flow::{Diverged, Flow};
 use super::journey::Journey;
 use super::proved::Proved;
 use super::set::{Form, FormOptions, MOST_TERMS, Unknown, terms, usual_degree};
 use super::step::Obstacle;
 use crate::modes::ModeSet;
-use std::rc::Rc;
+use std::sync::Arc;
 use veribound_interval::Interval;
 
 /// Highest degree that is worth trying.
@@ -269,7 +270,7 @@ struct Task<'a> {
     options: FormOptions,
     effort: Effort,
     /// Asked at every step whether to go on, with the form that will be moved.
-    go_on: &'a dyn Fn(&Form) -> bool,
+    go_on: &'a (dyn Fn(&Form) -> bool + Sync),
 }
 
 impl Flow {
@@ -300,11 +301,11 @@ impl Flow {
         stretches: &[Stretch],
         options: FormOptions,
         effort: Effort,
-        go_on: &dyn Fn(Standing) -> bool,
+        go_on: &(dyn Fn(Standing) -> bool + Sync),
     ) -> Enclosure {
         let whole: Set = (states.to_vec(), params.to_vec());
         // Each with what was proved of it before it was divided.
-        let mut open: Vec<(Set, Option<Rc<Passed>>)> = vec![(whole, None)];
+        let mut open: Vec<(Set, Option<Arc<Passed>>)> = vec![(whole, None)];
         let mut all: Option<Proved> = None;
         let mut result = Enclosure::default();
         let mut widths = vec![-1.0; states.len()];
@@ -338,8 +339,8 @@ impl Flow {
                 None
             };
             if let Some(halves) = halves {
-                let passed = Rc::new((passage.proved, passage.failure));
-                open.extend(halves.map(|half| (half, Some(Rc::clone(&passed)))));
+                let passed = Arc::new((passage.proved, passage.failure));
+                open.extend(halves.map(|half| (half, Some(Arc::clone(&passed)))));
                 continue;
             }
             for (state, known) in widths.iter_mut().enumerate() {
@@ -459,7 +460,7 @@ impl Flow {
         while let Some(mut journey) = open.pop() {
             journey.others = open.len() + passage.forms().count();
             journey.may_part = parts.saturating_sub(journey.others);
-            let failure = journey.run().err();
+            let failure = at_once(journey.run()).err();
             steps += journey.proved.steps;
             if !journey.parts.is_empty() {
                 open.append(&mut journey.parts);

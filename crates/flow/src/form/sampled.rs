@@ -37,6 +37,10 @@ use veribound_interval::Interval;
 /// A crossing that takes more stretches is not divided.
 const MOST: usize = 24;
 
+/// What a stretch takes, and what all that have crossed by a sample take to be one form, in multiplications of polynomials.
+const STRETCH: f64 = 24.0;
+const SAMPLE: f64 = 8.0;
+
 /// Steps are longer than their stretch by this share, for times of crossings that are too late.
 const LONGER: f64 = 1.0 / 16.0;
 
@@ -93,7 +97,7 @@ struct Way {
 impl Journey<'_> {
     /// Takes the form across the zero of a watched expression to the end of the stretch in which the last solution crosses, where inputs
     /// change in a window of so many `seconds`; `None`, and nothing is changed, if that is not proved.
-    pub(super) fn cross_by_samples(
+    pub(super) async fn cross_by_samples(
         &mut self,
         acting: &mut Acting,
         watch: usize,
@@ -103,7 +107,7 @@ impl Journey<'_> {
         if inputs == self.inputs() || !acting.is_of_states(watch) {
             return None;
         }
-        let mut way = self.all_across(acting, watch)?;
+        let mut way = self.all_across(acting, watch).await?;
         let turn = Turn::new(&self.form, &way.times).or_else(|| {
             let mut straight = way.times.clone();
             straight[1 + self.form.unknowns.len()..].fill(0.0);
@@ -121,6 +125,7 @@ impl Journey<'_> {
         };
         let last = way.samples.len() - 1;
         for (number, sample) in way.samples.iter_mut().enumerate() {
+            self.spend(SAMPLE).await;
             let mut slices = slices(&sample.behind, &place)?;
             let behind = slices.iter().map(|slice| (slice, &slice.form.signs));
             let ahead = Slice {
@@ -151,7 +156,7 @@ impl Journey<'_> {
     }
 
     /// The way across, stretch by stretch.
-    fn all_across(&self, acting: &mut Acting, watch: usize) -> Option<Way> {
+    async fn all_across(&self, acting: &mut Acting, watch: usize) -> Option<Way> {
         let mut ahead = self.form.clone();
         // Fresh unknowns stay what they are.
         ahead.options.absorb = f64::INFINITY;
@@ -167,11 +172,12 @@ impl Journey<'_> {
                 own.enter(next - 1);
             }
             let left = own.left;
+            self.spend(STRETCH).await;
             let passed = own.in_stretch(acting, watch)?;
             let mut passing = Passing::new(passed.during.len());
             passing.through(&passed.during, acting.regime.modes, 1);
             for (_, journey) in &mut across {
-                journey.go_to_sample(&mut passing)?;
+                journey.go_to_sample(&mut passing).await?;
             }
             if let Some(found) = passed.across {
                 passing.through(&found.tube, found.modes, 1);

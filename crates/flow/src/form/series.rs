@@ -24,10 +24,13 @@ pub(super) struct Series {
     monomials: usize,
     values: Vec<f64>,
     /// The same with the orders of every monomial backwards, and zeros behind: a convolution is then a
-    /// scalar product of whole vectors.
+    /// scalar product of whole vectors. Only of registers that are convolved so,
     backwards: Vec<f64>,
+    /// which begin here.
+    turned: Vec<Option<usize>>,
     row: Vec<f64>,
     other: Vec<f64>,
+    still: Vec<f64>,
 }
 
 /// What an absolute value is taken for: `slope * y + shift`.
@@ -87,14 +90,36 @@ pub(super) struct Undefined;
 impl Series {
     pub(super) fn new(code: &Code, monomials: &Monomials, orders: usize) -> Series {
         let (stride, count) = ((orders + 1).next_multiple_of(LANES), monomials.len());
-        let registers = code.instructions.len() * count;
+        let registers = code.instructions.len();
+        let mut is_turned = vec![false; registers];
+        for (register, step) in code.instructions.iter().enumerate() {
+            match step.op {
+                Op::Mul(a, b) => {
+                    let both = [a, b].map(|x| code.instructions[x].moving);
+                    is_turned[b] |= both == [true, true];
+                }
+                Op::Square(a) => is_turned[a] = true,
+                Op::Recip(_) => is_turned[register] = true,
+                _ => {}
+            }
+        }
+        let size = count * (stride + LANES);
+        let mut length = 0;
+        let turned = is_turned.into_iter().map(|is_turned| {
+            is_turned.then(|| {
+                length += size;
+                length - size
+            })
+        });
         Series {
+            turned: turned.collect(),
             stride,
             monomials: count,
-            values: vec![0.0; registers * stride],
-            backwards: vec![0.0; registers * (stride + LANES)],
+            values: vec![0.0; registers * count * stride],
+            backwards: vec![0.0; length],
             row: vec![0.0; count],
             other: vec![0.0; count],
+            still: vec![0.0; count],
         }
     }
 
@@ -108,17 +133,26 @@ impl Series {
     #[inline(always)]
     fn backwards(&self, register: usize) -> &[f64] {
         let size = self.monomials * (self.stride + LANES);
-        &self.backwards[register * size..(register + 1) * size]
+        // PROOF: what is convolved so is listed when the registers are made.
+        let begin = self.turned[register].unwrap_or(0);
+        &self.backwards[begin..begin + size]
+    }
+
+    #[inline(always)]
+    fn backwards_mut(&mut self, register: usize) -> Option<&mut [f64]> {
+        let size = self.monomials * (self.stride + LANES);
+        let begin = self.turned[register]?;
+        Some(&mut self.backwards[begin..begin + size])
     }
 
     /// Forgets everything but order 0 of what does not move.
     pub(super) fn clear(&mut self, code: &Code) {
         for (register, step) in code.instructions.iter().enumerate() {
             if step.moving {
-                let size = self.monomials * self.stride;
-                self.values[register * size..(register + 1) * size].fill(0.0);
-                let size = self.monomials * (self.stride + LANES);
-                self.backwards[register * size..(register + 1) * size].fill(0.0);
+                self.block_mut(register).fill(0.0);
+                if let Some(block) = self.backwards_mut(register) {
+                    block.fill(0.0);
+                }
             }
         }
     }
@@ -136,10 +170,10 @@ impl Series {
         for (slot, value) in block.chunks_exact_mut(stride).zip(polynomial) {
             slot[0] = *value;
         }
-        let size = self.monomials * (stride + LANES);
-        let block = &mut self.backwards[register * size..(register + 1) * size];
-        for (slot, value) in block.chunks_exact_mut(stride + LANES).zip(polynomial) {
-            slot[stride - 1] = *value;
+        if let Some(block) = self.backwards_mut(register) {
+            for (slot, value) in block.chunks_exact_mut(stride + LANES).zip(polynomial) {
+                slot[stride - 1] = *value;
+            }
         }
     }
 
@@ -150,10 +184,10 @@ impl Series {
         for (slot, value) in block.chunks_exact_mut(stride).zip(row) {
             slot[order] = *value;
         }
-        let size = self.monomials * (stride + LANES);
-        let block = &mut self.backwards[register * size..(register + 1) * size];
-        for (slot, value) in block.chunks_exact_mut(stride + LANES).zip(row) {
-            slot[stride - 1 - order] = *value;
+        if let Some(block) = self.backwards_mut(register) {
+            for (slot, value) in block.chunks_exact_mut(stride + LANES).zip(row) {
+                slot[stride - 1 - order] = *value;
+            }
         }
     }
 
@@ -165,17 +199,18 @@ impl Series {
         (code, monomials, functions): (&Code, &Monomials, &Functions),
         (j, secondary): (usize, usize),
     ) -> Result<(), Undefined> {
-        let (mut row, mut other) = (
+        let (mut row, mut other, mut still) = (
             std::mem::take(&mut self.row),
             std::mem::take(&mut self.other),
+            std::mem::take(&mut self.still),
         );
         let result = self.rows(
             (code, monomials, functions),
             (j, secondary),
             &mut row,
-            &mut other,
+            (&mut other, &mut still),
         );
-        (self.row, self.other) = (row, other);
+        (self.row, self.other, self.still) = (row, other, still);
         result
     }
 
@@ -185,7 +220,7 @@ impl Series {
         (code, monomials, functions): (&Code, &Monomials, &Functions),
         (j, secondary): (usize, usize),
         row: &mut [f64],
-        other: &mut [f64],
+        (other, still): (&mut [f64], &mut [f64]),
     ) -> Result<(), Undefined> {
         let k = self.stride;
         for (register, step) in code.instructions.iter().enumerate() {
@@ -214,14 +249,14 @@ impl Series {
                     }
                 }
                 Op::Mul(a, b) => {
-                    let still = if !moves(a) {
+                    let resting = if !moves(a) {
                         Some((a, b))
                     } else if !moves(b) {
                         Some((b, a))
                     } else {
                         None
                     };
-                    match still {
+                    match resting {
                         Some((a, b)) if !code.instructions[a].uncertain => {
                             let (factor, b) = (self.block(a)[0], self.block(b));
                             for (c, slot) in row.iter_mut().enumerate() {
@@ -229,13 +264,28 @@ impl Series {
                             }
                         }
                         Some((a, b)) => {
+                            // Side by side: it is most of the work where modes are affine.
                             let (a, b) = (self.block(a), self.block(b));
+                            for (slot, a) in still.iter_mut().zip(a.chunks_exact(k)) {
+                                *slot = a[0];
+                            }
+                            for (slot, b) in other.iter_mut().zip(b.chunks_exact(k)) {
+                                *slot = b[j];
+                            }
+                            // Pairs stand in the order of their first factors, and the first of all is the constant.
+                            let last = still.iter().rposition(|x| *x != 0.0).unwrap_or(0);
+                            for (slot, b) in row.iter_mut().zip(&*other) {
+                                *slot = still[0] * b;
+                            }
                             for (c, slot) in row.iter_mut().enumerate() {
-                                *slot = monomials
-                                    .factors(c)
-                                    .iter()
-                                    .map(|&(x, y)| a[x as usize * k] * b[y as usize * k + j])
-                                    .sum();
+                                let mut sum = *slot;
+                                for &(x, y) in &monomials.factors(c)[1..] {
+                                    if x as usize > last {
+                                        break;
+                                    }
+                                    sum += still[x as usize] * other[y as usize];
+                                }
+                                *slot = sum;
                             }
                         }
                         None => {
@@ -248,8 +298,9 @@ impl Series {
                 }
                 Op::Recip(a) => {
                     if j == 0 {
-                        let size = self.monomials * (k + LANES);
-                        self.backwards[register * size..(register + 1) * size].fill(0.0);
+                        if let Some(block) = self.backwards_mut(register) {
+                            block.fill(0.0);
+                        }
                         let below = self.block(a);
                         let centre = below[0];
                         if centre == 0.0 {

@@ -61,9 +61,17 @@ impl Several {
     }
 }
 
+/// What a step that was tried for several stretches is good for.
+pub(super) enum Reach {
+    /// The first of them, and more.
+    Several(Prepared),
+    /// A part of the first.
+    Less(Prepared),
+}
+
 impl Journey<'_> {
-    /// A step from the begin of a stretch to its end that is prepared for more than this one, where it is certain.
-    pub(super) fn prepare_several(&mut self, acting: &mut Acting) -> Option<Prepared> {
+    /// A step from the begin of a stretch that is prepared for more than this one, where it is certain as far as it reaches.
+    pub(super) fn prepare_several(&mut self, acting: &mut Acting) -> Option<Reach> {
         // Tubes and outputs would be those of all the time.
         let may = self.meet.is_some()
             && !self.tells_outputs
@@ -87,34 +95,42 @@ impl Journey<'_> {
         if count < 2 {
             return None;
         }
-        let prepared = acting
-            .prepare(&self.form, inputs, longest, self.shortest())
-            .ok();
-        let steady = acting.steady(inputs);
-        let prepared = prepared.filter(|prepared| {
-            let watches = (&acting.regime.watches[..], &steady[..]);
-            let (scratch, monomials) = (&acting.scratch, &self.form.monomials);
-            let span = prepared.bounds.span;
-            let neglected = prepared.bounds.deviation.iter().zip(&self.form.states);
-            let mut neglected = neglected.map(|(off, polynomial)| {
-                let width: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
-                *off <= NEGLIGIBLE * width
-            });
-            let trouble = |span| acting.piece.trouble(scratch, monomials, watches, span);
-            prepared.covers(self.left) && neglected.all(|small| small) && trouble(span).is_none()
-        });
-        match &prepared {
-            Some(prepared) => {
-                self.several.next_wait = 1;
-                self.several.count = if prepared.last {
-                    MOST.min(2 * self.several.count)
-                } else {
-                    count
-                };
-            }
-            None => self.several.fail(),
+        let prepared = acting.prepare(&self.form, inputs, longest, self.shortest());
+        let Some(prepared) = prepared.ok() else {
+            self.several.fail();
+            return None;
+        };
+        if !prepared.covers(self.left) {
+            self.several.fail();
+            // What ends within the rounding of the stretch's end is not told to be before it.
+            let is_less = prepared.bounds.span * prepared.unit < self.left.lo();
+            return is_less.then_some(Reach::Less(prepared));
         }
-        prepared
+        let steady = acting.steady(inputs);
+        let place = (&acting.scratch, &*self.form.monomials);
+        let span = prepared.bounds.span;
+        let neglected = prepared.bounds.deviation.iter().zip(&self.form.states);
+        let mut neglected = neglected.map(|(off, polynomial)| {
+            let width: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
+            *off <= NEGLIGIBLE * width
+        });
+        let mut watches = acting.regime.watches.iter().enumerate();
+        let is_certain = neglected.all(|small| small)
+            && watches.all(|(watch, asked)| {
+                let asked = (watch, asked.sign, steady[watch]);
+                acting.piece.is_calm(place, asked, span)
+            });
+        if !is_certain {
+            self.several.fail();
+            return None;
+        }
+        self.several.next_wait = 1;
+        self.several.count = if prepared.last {
+            MOST.min(2 * self.several.count)
+        } else {
+            count
+        };
+        Some(Reach::Several(prepared))
     }
 
     /// Goes to the end of the first stretch of a step that is prepared for several.

@@ -7,7 +7,7 @@
 use super::monomials::Monomials;
 use super::outward::{UNIT, raised};
 use super::piece::{Piece, Probe};
-use super::range::range;
+use super::range::{at_corner, is_above, range};
 use super::regime::Watch;
 use super::step::Scratch;
 use super::surfaces::Signs;
@@ -15,6 +15,9 @@ use veribound_interval::Interval;
 
 /// Times are told apart up to this share of a step.
 const FINEST: f64 = 1.0 / 64.0;
+
+/// What rounding can take from a value, as share of all its terms.
+const ROUNDED: f64 = 1e-13;
 
 /// The end of the time during which everything watched keeps its sign.
 #[derive(Debug, Clone, Copy)]
@@ -25,8 +28,27 @@ pub(super) struct Trouble {
     pub(super) watch: usize,
 }
 
+/// What is known of a register during a window.
+enum Course {
+    /// Its values lie in this interval.
+    Within(Interval),
+    /// They may be told better.
+    Near(Near),
+}
+
+/// A register is at `(p(δ) + c) / s` up to `off` and `rounding` of `p`, with a polynomial `p`, some `c` of `change` and `s > 0` of `scale`.
+struct Near {
+    begin: Vec<f64>,
+    rounding: f64,
+    change: Interval,
+    scale: Interval,
+    off: f64,
+    /// And in this interval.
+    within: Interval,
+}
+
 impl Piece {
-    /// The first time up to `span` at which something watched may change its sign.
+    /// The first time up to `span` at which something watched may change its sign, and how many windows were looked at.
     ///
     /// Guarantee: before it, for all solutions within the deviation of the prepared step, every watched
     /// expression has its sign or moves towards it; one that is not `steady`, a function of the state
@@ -37,58 +59,106 @@ impl Piece {
         monomials: &Monomials,
         (watches, steady): (&[Watch], &[bool]),
         span: f64,
-    ) -> Option<Trouble> {
-        let mut first: Option<Trouble> = None;
+    ) -> (Option<Trouble>, usize) {
+        let (mut first, mut windows): (Option<Trouble>, usize) = (None, 0);
         for (watch, asked) in watches.iter().enumerate() {
             let end = first.map_or(span, |trouble| trouble.from);
             let asked = (watch, asked.sign, steady[watch]);
-            if let Some(from) = self.first_trouble((scratch, monomials), asked, end) {
-                first = Some(Trouble { from, watch });
-            }
+            let (from, own) = self.first_trouble((scratch, monomials), asked, end);
+            first = from.map(|from| Trouble { from, watch }).or(first);
+            windows += own;
         }
-        first
+        (first, windows)
+    }
+
+    /// Whether there is none of it, for one watch, which has to keep a sign.
+    pub(super) fn is_calm(
+        &self,
+        place: (&Scratch, &Monomials),
+        (watch, sign, steady): (usize, Signs, bool),
+        end: f64,
+    ) -> bool {
+        let probe = &self.probes[watch];
+        let loses = |register: usize| self.loses(place.0, place.1, (register, sign), end);
+        let is_lost = loses(probe.value) && (!steady || loses(probe.rate));
+        !is_lost
+            && self
+                .first_trouble(place, (watch, sign, steady), end)
+                .0
+                .is_none()
     }
 
     /// As [`Piece::trouble`], for one watch, which has to keep a sign.
-    pub(super) fn first_trouble(
+    fn first_trouble(
         &self,
         (scratch, monomials): (&Scratch, &Monomials),
         (watch, sign, steady): (usize, Signs, bool),
         end: f64,
-    ) -> Option<f64> {
+    ) -> (Option<f64>, usize) {
         let probe = &self.probes[watch];
         let is_safe = |from: f64, to: f64| {
             let window = Interval::new(from, to).unwrap_or(Interval::ENTIRE);
             let keeps = |register: usize| {
-                let x = self.during(scratch, monomials, register, window);
-                Signs::strict(x) == Some(sign)
+                let loses = |time| self.loses(scratch, monomials, (register, sign), time);
+                if loses(to) || loses(from) {
+                    return false;
+                }
+                self.keeps(scratch, monomials, (register, sign), window)
             };
             keeps(probe.value) || (steady && keeps(probe.rate))
         };
-        let (mut from, mut length) = (0.0, end);
+        let (mut from, mut length, mut windows) = (0.0, end, 0);
+        // Windows are twice as long again once both halves of one were safe.
+        let mut is_second = false;
         while from < end {
             let to = if from + length >= end {
                 end
             } else {
                 from + length
             };
+            windows += 1;
             if is_safe(from, to) {
                 from = to;
-                length *= 2.0;
+                length *= if is_second { 2.0 } else { 1.0 };
+                is_second = !is_second;
             } else if length <= FINEST * end {
-                return Some(from);
+                return (Some(from), windows);
             } else {
                 length *= 0.5;
+                is_second = false;
             }
         }
-        None
+        (None, windows)
+    }
+
+    /// Whether bounds of a register at a time can only fail to have this sign, since they contain the value that some solution has there,
+    /// with all that is not known of it. It proves nothing, and spares work.
+    fn loses(
+        &self,
+        scratch: &Scratch,
+        monomials: &Monomials,
+        (register, sign): (usize, Signs),
+        time: f64,
+    ) -> bool {
+        let top = scratch.errors.sizes[register].top;
+        let stride = scratch.series.stride;
+        let way = if sign == Signs::POSITIVE { 1.0 } else { -1.0 };
+        let mut size = 0.0;
+        let rows = scratch.series.block(register).chunks_exact(stride);
+        let now = rows.map(|row| {
+            let (mut value, mut all) = (0.0, 0.0);
+            for x in row[..=top].iter().rev() {
+                value = value * time + way * x;
+                all = all * time + x.abs();
+            }
+            size += all;
+            value
+        });
+        let now: Vec<f64> = now.collect();
+        at_corner(monomials, &now) + ROUNDED * size < scratch.radii[1][register]
     }
 
     /// Encloses a register during a window of scaled time, for all solutions within the deviation.
-    ///
-    /// Proof. `R(δ, t)` is the polynomial. For any number `κ`, `q = (1 + κ (t - t_0)) R` has `q' = (R' + κ R) + κ (t - t_0) R'`. So
-    /// where all coefficients decay alike, as what is left of a small rate does, `q` hardly moves from what it is at the begin `t_0`, and that
-    /// is a polynomial in the unknowns alone, with a tight range.
     pub(super) fn during(
         &self,
         scratch: &Scratch,
@@ -96,56 +166,114 @@ impl Piece {
         register: usize,
         window: Interval,
     ) -> Interval {
+        match self.course(scratch, monomials, register, window) {
+            Course::Within(found) => found,
+            Course::Near(near) => {
+                let begin = range(monomials, &near.begin).inflate(near.rounding);
+                let all = ((begin + near.change) / near.scale).inflate(near.off);
+                all.intersect(near.within)
+            }
+        }
+    }
+
+    /// Whether a register is proved to have this sign during a window, as [`Piece::during`] tells it.
+    fn keeps(
+        &self,
+        scratch: &Scratch,
+        monomials: &Monomials,
+        (register, sign): (usize, Signs),
+        window: Interval,
+    ) -> bool {
+        match self.course(scratch, monomials, register, window) {
+            Course::Within(found) => Signs::strict(found) == Some(sign),
+            Course::Near(near) => {
+                let Near {
+                    mut begin,
+                    rounding,
+                    change,
+                    scale,
+                    off,
+                    ..
+                } = near;
+                if sign == Signs::NEGATIVE {
+                    begin.iter_mut().for_each(|x| *x = -*x);
+                }
+                let least = rounding + change.mag() + off * scale.hi();
+                is_above(monomials, &begin, raised(least, 4))
+            }
+        }
+    }
+
+    /// What is known of a register during a window of scaled time, for all solutions within the deviation.
+    ///
+    /// Proof. `R(δ, t)` is the polynomial. For any number `κ`, `q = (1 + κ (t - t_0)) R` has `q' = (R' + κ R) + κ (t - t_0) R'`. So
+    /// where all coefficients decay alike, as what is left of a small rate does, `q` hardly moves from what it is at the begin `t_0`, and that
+    /// is a polynomial in the unknowns alone, with a tight range.
+    fn course(
+        &self,
+        scratch: &Scratch,
+        monomials: &Monomials,
+        register: usize,
+        window: Interval,
+    ) -> Course {
         let size = &scratch.errors.sizes[register];
         let quick = scratch.around(register);
         if !quick.contains(0.0) {
-            return quick;
+            return Course::Within(quick);
         }
         let stride = scratch.series.stride;
         let block = scratch.series.block(register);
+        let off = scratch.radii[1][register];
         if size.top == 0 {
-            let polynomial: Vec<f64> = block.iter().step_by(stride).copied().collect();
-            let off = scratch.radii[1][register];
-            return range(monomials, &polynomial).inflate(off).intersect(quick);
+            return Course::Near(Near {
+                begin: block.iter().step_by(stride).copied().collect(),
+                rounding: 0.0,
+                change: Interval::ZERO,
+                scale: Interval::ONE,
+                off,
+                within: quick,
+            });
         }
         let orders = |a: usize| &block[a * stride..=a * stride + size.top];
-        let row = |a: usize| on(orders(a).iter().copied(), window);
-        let off = scratch.radii[1][register];
-        let others: f64 = (1..monomials.len()).map(|a| row(a).mag()).sum();
-        let first = row(0);
+        let rows = (0..monomials.len()).map(|a| on(orders(a).iter().copied(), window));
+        let rows: Vec<Interval> = rows.collect();
+        let others: f64 = rows[1..].iter().map(|row| row.mag()).sum();
+        let first = rows[0];
         let found = first
             .inflate(raised(others + off, monomials.len() + 1))
             .intersect(quick);
         if !found.contains(0.0) || first.contains(0.0) {
-            return found;
+            return Course::Within(found);
         }
         let slope = |a: usize| {
             let orders = orders(a).iter().enumerate().skip(1);
             on(orders.map(|(j, x)| j as f64 * x), window)
         };
+        let decay = Interval::point((-slope(0) / first).mid());
+        let since = window - Interval::point(window.lo());
+        let scale = Interval::ONE + decay * since;
+        if scale.lo() <= 0.0 {
+            return Course::Within(found);
+        }
         let (mut begin, mut rounding) = (Vec::with_capacity(monomials.len()), 0.0);
-        for a in 0..monomials.len() {
+        let (mut change, mut moved) = (0.0, 0.0);
+        for (a, row) in rows.iter().enumerate() {
             let value = on(orders(a).iter().copied(), Interval::point(window.lo()));
             begin.push(value.mid());
             rounding += value.rad();
-        }
-        let decay = Interval::point((-slope(0) / first).mid());
-        let since = window - Interval::point(window.lo());
-        let (mut change, mut moved) = (0.0, 0.0);
-        for a in 0..monomials.len() {
             let slope = slope(a);
-            change += (slope + decay * row(a)).mag();
+            change += (slope + decay * *row).mag();
             moved += slope.mag();
         }
         let moved = Interval::symmetric(raised(moved, monomials.len())) * decay * since;
-        let change = moved.inflate(raised(change, monomials.len())) * since;
-        let scale = Interval::ONE + decay * since;
-        let begin = range(monomials, &begin).inflate(raised(rounding, monomials.len()));
-        if scale.lo() > 0.0 {
-            ((begin + change) / scale).inflate(off).intersect(found)
-        } else {
-            found
-        }
+        Course::Near(Near {
+            begin,
+            rounding: raised(rounding, monomials.len()),
+            change: moved.inflate(raised(change, monomials.len())) * since,
+            scale,
+            off,
+            within: found,
+        })
     }
 
     /// The slopes of a watched expression, at all times of the step.
@@ -167,9 +295,17 @@ fn on(coefficients: impl DoubleEndedIterator<Item = f64>, window: Interval) -> I
     let (from, to, most) = (window.lo(), window.hi(), window.mag());
     let (mut lo, mut hi, mut size, mut count) = (0.0_f64, 0.0_f64, 0.0, 0);
     for x in coefficients.rev() {
-        let (a, b, c, d) = (lo * from, lo * to, hi * from, hi * to);
-        lo = a.min(b).min(c.min(d)) + x;
-        hi = a.max(b).max(c.max(d)) + x;
+        (lo, hi) = if from >= 0.0 {
+            // Two of the four products below decide.
+            let (low, high) = (
+                if lo < 0.0 { to } else { from },
+                if hi < 0.0 { from } else { to },
+            );
+            (lo * low + x, hi * high + x)
+        } else {
+            let (a, b, c, d) = (lo * from, lo * to, hi * from, hi * to);
+            (a.min(b).min(c.min(d)) + x, a.max(b).max(c.max(d)) + x)
+        };
         size = size * most + x.abs();
         count += 1;
     }

@@ -304,6 +304,11 @@ pub struct Method {
     #[arg(long, value_name = "N", default_value_t = ObserverOptions::default().history,
           value_parser = count(2))]
     pub history: usize,
+    /// polytope: work that a sample may take, in products of coefficients, a million of which are about a millisecond; what takes
+    /// longer is put aside, and goes on with the next sample
+    #[arg(long, value_name = "N", default_value_t = ObserverOptions::default().budget,
+          value_parser = count(1))]
+    pub budget: usize,
 }
 
 /// Names of methods of the observer.
@@ -600,6 +605,7 @@ impl Method {
             rows: self.rows,
             replay: self.replay,
             history: self.history,
+            budget: self.budget,
         };
         options.step.order = self.order;
         options.step.halvings = self.halvings;

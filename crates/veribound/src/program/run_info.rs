@@ -220,6 +220,7 @@ fn options(arguments: &Observe, assumptions: &[String]) -> Table {
     put("rows", Value::Integer(method.rows as i64));
     put("replay", Value::Integer(method.replay as i64));
     put("history", Value::Integer(method.history as i64));
+    put("budget", Value::Integer(method.budget as i64));
     put("figures", formats(&showing.output.figures));
     put("report", named(showing.output.report));
     put("parquet", Value::Boolean(showing.output.parquet));

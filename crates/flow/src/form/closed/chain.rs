@@ -7,7 +7,7 @@
 use super::super::monomials::Monomials;
 use super::super::outward::raised;
 use super::value::{Matrix, image, product};
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 use veribound_interval::Interval;
 
 /// Orders of the series on the shortest level.
@@ -38,7 +38,7 @@ pub(super) struct Level {
     moved: Vec<Interval>,
     pub(super) during: During,
     /// Bounds of `∫_0^length |exp(A r)| dr`, once they are asked for.
-    reach: OnceCell<Vec<f64>>,
+    reach: OnceLock<Vec<f64>>,
 }
 
 /// What holds at all times up to some time, for all unknowns.
@@ -310,7 +310,7 @@ impl Sizes {
             flow,
             integral,
             during,
-            reach: OnceCell::new(),
+            reach: OnceLock::new(),
         }
     }
 }
@@ -340,7 +340,7 @@ impl Level {
                     .map(|((first, moved), second)| first.hull(*moved + second))
                     .collect(),
             },
-            reach: OnceCell::new(),
+            reach: OnceLock::new(),
         }
     }
 

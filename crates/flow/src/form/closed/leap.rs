@@ -4,7 +4,7 @@
     reason = "PROOF: one entry per state, matrices `n * n`; a walk begins with a place"
 )]
 
-use std::rc::Rc;
+use std::sync::Arc;
 
 use super::super::frame::Frame;
 use super::super::journey::{Acting, Journey};
@@ -39,7 +39,7 @@ const KEPT: usize = 12;
 
 /// Exponentials that were met.
 #[derive(Default)]
-pub(in super::super) struct Chains(Vec<(Key, Rc<Chain>)>);
+pub(in super::super) struct Chains(Vec<(Key, Arc<Chain>)>);
 
 /// What an exponential depends on.
 #[derive(PartialEq)]
@@ -408,7 +408,7 @@ impl Journey<'_> {
     }
 
     /// The exponential of a regime over so many seconds.
-    fn chain(&mut self, acting: &Acting, linear: &Linear, length: f64) -> Option<Rc<Chain>> {
+    fn chain(&mut self, acting: &Acting, linear: &Linear, length: f64) -> Option<Arc<Chain>> {
         let inputs = self.inputs();
         let steering: Vec<Interval> = linear.steering.iter().map(|u| inputs[*u]).collect();
         if steering.iter().any(|u| !u.is_point()) {
@@ -422,14 +422,14 @@ impl Journey<'_> {
             params: self.form.params.clone(),
         };
         if let Some((_, known)) = self.chains.0.iter().find(|known| known.0 == key) {
-            return Some(Rc::clone(known));
+            return Some(Arc::clone(known));
         }
         let slopes = linear.matrix(&self.form, inputs)?;
-        let chain = Rc::new(Chain::new(slopes, length, &self.form.monomials)?);
+        let chain = Arc::new(Chain::new(slopes, length, &self.form.monomials)?);
         if self.chains.0.len() >= KEPT {
             self.chains.0.remove(0);
         }
-        self.chains.0.push((key, Rc::clone(&chain)));
+        self.chains.0.push((key, Arc::clone(&chain)));
         Some(chain)
     }
 }

@@ -15,7 +15,7 @@ use super::profile::{Profile, Stretch};
 use super::{Outcome, engine, overwriting, progress, run_info};
 use diagnosis::{Cause, PastUse};
 pub use files::{meta, mode_names, plane};
-use std::cell::Cell;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 use trajectories::Drawn;
 use veribound_data::{EnclosureSummary, RecordInfo, TableSource};
@@ -169,7 +169,7 @@ impl Prepared {
         self,
         arguments: &Enclose,
         wants_files: bool,
-        go_on: &dyn Fn(Standing) -> bool,
+        go_on: &(dyn Fn(Standing) -> bool + Sync),
     ) -> Result<Done, Diagnostics> {
         let Prepared {
             model,
@@ -239,7 +239,7 @@ fn enclose(
     arguments: &Enclose,
     model: &Model,
     course: &Course,
-    go_on: &dyn Fn(Standing) -> bool,
+    go_on: &(dyn Fn(Standing) -> bool + Sync),
 ) -> Result<Findings, Diagnostics> {
     let start: Vec<Interval> = model.states.iter().map(|state| state.init).collect();
     let params: Vec<Interval> = model.params.iter().map(|param| param.bounds).collect();
@@ -247,10 +247,10 @@ fn enclose(
         parts: arguments.parts,
         ..Effort::default()
     };
-    let is_interrupted = Cell::new(false);
+    let is_interrupted = AtomicBool::new(false);
     let go_on = |standing: Standing| {
         let goes_on = go_on(standing);
-        is_interrupted.set(!goes_on);
+        is_interrupted.store(!goes_on, Ordering::Relaxed);
         goes_on
     };
     let begin = Instant::now();
@@ -265,7 +265,7 @@ fn enclose(
     let engine = engine::told(model, &answer);
     let enclosure = answer.enclosure;
     let seconds = begin.elapsed().as_secs_f64();
-    let is_interrupted = is_interrupted.get();
+    let is_interrupted = is_interrupted.into_inner();
     let rows = course.times.len().min(enclosure.ends.len() + 1);
     let ending = match &enclosure.stopped {
         _ if is_interrupted => Ending::Interrupted,
