@@ -395,9 +395,6 @@ impl Problem {
                 return Err(of_record(record, conflict));
             }
             is_complete &= passed.is_complete;
-            for (axis, bend) in kept.iter().zip(&passed.curvature) {
-                curvature[*axis] += bend;
-            }
             let is_short = passed.reached < until;
             windows.push(Window {
                 passed,
@@ -409,6 +406,31 @@ impl Problem {
                 self.later_windows(&region, known, &mut windows, passes, go_on)?;
             }
             reached.push(windows.last().map_or(until, |last| last.passed.reached));
+            // The one that bends most ends first.
+            let mut most = vec![0.0_f64; axes];
+            for window in windows.iter().filter(|window| window.record == record) {
+                let bends = &window.passed.curvature[window.own()..];
+                for (axis, bend) in window.kept.iter().zip(bends) {
+                    most[*axis] = most[*axis].max(*bend);
+                }
+            }
+            let sums = curvature.iter_mut().zip(most);
+            sums.for_each(|(sum, most)| *sum += most);
+        }
+        if std::env::var("DBG").is_ok() && known_of.is_some() {
+            eprintln!(
+                "  windows {}",
+                windows
+                    .iter()
+                    .map(|w| format!(
+                        "{}..{}({})",
+                        w.link.as_ref().map_or(0, |l| l.sample()),
+                        w.passed.reached,
+                        w.passed.rows.products().len()
+                    ))
+                    .collect::<Vec<_>>()
+                    .join(" ")
+            );
         }
         // The unknowns that are left to all of them.
         let scales = common(&windows, axes)?;

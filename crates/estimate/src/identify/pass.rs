@@ -112,6 +112,8 @@ pub(crate) enum Conflict {
 pub(crate) struct Anchor {
     pub(crate) sample: usize,
     pub(crate) states: Vec<Affine>,
+    /// A box of the parameters there.
+    pub(crate) params: Vec<Interval>,
 }
 
 /// What a pass came to.
@@ -446,6 +448,10 @@ impl Meeter<'_> {
             }
             if *quantity < self.problem.outputs {
                 let is_blurred = strip.remainder.width() > BLURRED * told.width();
+                if std::env::var("DBG").is_ok_and(|x| x == "2") {
+                    let all: Vec<String> = form.strips().iter().map(|s| format!("{:.5}+-{:.2e}|{:.2e}", s.centre, s.slopes.iter().map(|g| g.abs()).sum::<f64>(), s.rest.width())).collect();
+                    eprintln!("   {}..{sample}: reach {:.2e} remainder {:.2e} | {} | {}", self.span.from, reach.rad(), strip.remainder.width(), all.join(" "), form.note());
+                }
                 clear |= !is_blurred;
                 blurred |= is_blurred;
             }
@@ -512,7 +518,12 @@ impl Meeter<'_> {
         }
         let strips = form.strips().into_iter();
         let states = strips.map(|strip| self.affine(strip)).collect();
-        self.anchors.push(Anchor { sample, states });
+        let params = form.param_box();
+        self.anchors.push(Anchor {
+            sample,
+            states,
+            params,
+        });
         if self.anchors.len() > ANCHORS + self.wanted.len() {
             self.apart *= 2;
             let (from, apart, wanted) = (self.span.from, self.apart, &self.wanted);

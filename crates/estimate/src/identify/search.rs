@@ -500,6 +500,34 @@ impl<'a> Search<'a> {
                 self.take(job, outcome);
             }
             standing = self.progress();
+            if std::env::var("DBG").is_ok() {
+                for (job, k) in jobs.iter().zip(0..) {
+                    if let Job::Climb(p, side, missing) = job {
+                        let best = self.state.best[*p][*side].as_ref();
+                        eprintln!(
+                            "climb {k} {p} {side} missing {missing:.4} idle {:?}",
+                            best.map(|b| (b.idle, b.reach))
+                        );
+                    }
+                    if let Job::Middle(..) = job {
+                        eprintln!("middle {k}");
+                    }
+                }
+                eprintln!(
+                    "sets {} passes {} tight {:?}",
+                    self.state.sets,
+                    self.state.passes,
+                    self.bounds(self.wanted.iter().copied())
+                        .iter()
+                        .map(|b| (
+                            b.tightness(),
+                            b.outer.to_string(),
+                            b.inner.map(|x| x.to_string())
+                        ))
+                        .collect::<Vec<_>>()
+                );
+                eprintln!("gaps {:?}", self.gaps());
+            }
             if !keep.goes_on(&standing) {
                 self.interrupted = true;
                 return;
@@ -601,6 +629,46 @@ impl<'a> Search<'a> {
         chosen.sort_unstable_by(|a, b| b.cmp(a));
         let mut jobs = Vec::new();
         for position in chosen {
+            if std::env::var("DBG").is_ok() {
+                let leaf = &self.state.leaves[position];
+                let hull: Vec<String> = (0..leaf.cell.region.centre.len())
+                    .map(|q| {
+                        let x = leaf.cell.region.range(q, &leaf.cell.part);
+                        format!("[{:.5} {:.5}]", x.lo(), x.hi())
+                    })
+                    .collect();
+                let outer: Vec<String> = self
+                    .wanted
+                    .iter()
+                    .map(|q| {
+                        let x = leaf.outer[*q];
+                        format!("[{:.4} {:.4}]", x.lo(), x.hi())
+                    })
+                    .collect();
+                let w: Vec<String> = leaf
+                    .cell
+                    .curvature
+                    .iter()
+                    .zip(&leaf.cell.part)
+                    .map(|(a, b)| format!("{:.3}*{:.3}", a, b.rad()))
+                    .collect();
+                eprintln!(
+                    "divide {position}: q {} | told {} | weights {} | ax {:?}",
+                    hull.join(" "),
+                    outer.join(" "),
+                    w.join(" "),
+                    leaf.cell
+                        .region
+                        .axes
+                        .iter()
+                        .map(|r| r
+                            .iter()
+                            .map(|x| format!("{x:.2e}"))
+                            .collect::<Vec<_>>()
+                            .join(","))
+                        .collect::<Vec<_>>()
+                );
+            }
             match self.state.leaves[position].cell.halves() {
                 Some(halves) => {
                     let Leaf { cell, outer, .. } = self.state.leaves.swap_remove(position);

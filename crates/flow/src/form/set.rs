@@ -170,6 +170,10 @@ pub struct Form {
     pub(super) within: Vec<ParamForm>,
     /// Moments for which boxes went on, since no right-hand side was defined on all of it.
     pub(super) undefined: usize,
+    /// How much of the states boxes made no function of the unknowns, by those that left signs open: a hint.
+    pub(super) torn: Vec<f64>,
+    /// x
+    pub(super) moments: usize,
 }
 
 /// A quantity: its value in the middle, one slope per unknown, and what is added.
@@ -307,6 +311,7 @@ impl Form {
         });
         let params = params.collect();
         let starts: Vec<Vec<f64>> = starts.iter().map(polynomial).collect();
+        let count = unknowns.len();
         let mut form = Form {
             order: 0,
             scale: starts.iter().map(|p| p[0].abs()).collect(),
@@ -322,6 +327,7 @@ impl Form {
             signs: Vec::new(),
             within: Vec::new(),
             undefined: 0,
+            torn: vec![0.0; count], moments: 0,
         };
         form.choose_order();
         form.tube = form.quick_hull();
@@ -362,6 +368,8 @@ impl Form {
         list.map(|range| (range.unknown, range.bounds())).collect()
     }
 
+    #[allow(missing_docs)]
+    pub fn note(&self) -> String { format!("{:?} {:?} {:?}", self.signs.iter().map(|s| format!("{s:?}").replace("Signs", "")).collect::<Vec<_>>(), self.torn.iter().map(|x| format!("{x:.2}")).collect::<Vec<_>>(), self.moments) }
     /// For how many moments since its start no right-hand side was defined on all of the form, so that boxes went on: a hint
     /// that the set is too wide for it.
     pub fn undefined_moments(&self) -> usize {
@@ -520,17 +528,20 @@ impl Form {
         if self.unknowns.is_empty() {
             return 0.0;
         }
-        let mut largest: f64 = 0.0;
-        for (state, polynomial) in self.states.iter().enumerate() {
-            let terms = polynomial.iter().enumerate().skip(1);
-            let own = terms.filter(|(a, _)| !self.is_fresh(*a));
-            let own: f64 = own.map(|(_, x)| x.abs()).sum();
-            let rest = self.rest(state);
-            if rest > 0.0 {
-                largest = largest.max(rest / (rest + own));
-            }
+        let shares = (0..self.states.len()).map(|state| self.excess_of(state));
+        shares.fold(0.0, f64::max)
+    }
+
+    /// The share of the width of a state that is no function of the unknowns.
+    pub(super) fn excess_of(&self, state: usize) -> f64 {
+        let rest = self.rest(state);
+        if rest == 0.0 {
+            return 0.0;
         }
-        largest
+        let terms = self.states[state].iter().enumerate().skip(1);
+        let own = terms.filter(|(a, _)| !self.is_fresh(*a));
+        let own: f64 = own.map(|(_, x)| x.abs()).sum();
+        rest / (rest + own)
     }
 
     /// How much of a state is no function of the unknowns, as far as that matters.
@@ -558,9 +569,10 @@ impl Form {
             .collect()
     }
 
-    /// How far from linear the states depend on each unknown.
+    /// How far from linear the states depend on each unknown: the share of what is not linear in it, and of what boxes took
+    /// while it left open which right-hand side acts. A hint.
     pub fn curvature(&self) -> Vec<f64> {
-        let mut curvature = vec![0.0; self.unknowns.len()];
+        let mut curvature = self.torn.clone();
         for polynomial in &self.states {
             let size: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
             for (a, x) in polynomial.iter().enumerate() {
