@@ -16,7 +16,7 @@ use super::rows::{Affine, Rows};
 use super::simplex::{Deepest, Program, Side, deepest};
 use super::told::Told;
 use super::windows::{
-    Joined, Junctions, Window, common, in_common, information, joined, junctions, widths,
+    Joined, Junctions, Window, blames, common, in_common, information, joined, junctions, widths,
 };
 use serde::{Deserialize, Serialize};
 use veribound_flow::form::Parallelotope;
@@ -57,7 +57,7 @@ const FITS: usize = 12;
 const HOPELESS: usize = 2;
 
 /// A climb has so many steps at most, keeps inside of what was measured by this share,
-const CLIMBS: usize = 5;
+const CLIMBS: usize = 12;
 const MARGIN: f64 = 1e-3;
 
 /// takes steps so many times as long where they succeed or would bring too little, until this,
@@ -406,31 +406,10 @@ impl Problem {
                 self.later_windows(&region, known, &mut windows, passes, go_on)?;
             }
             reached.push(windows.last().map_or(until, |last| last.passed.reached));
-            // The one that bends most ends first.
-            let mut most = vec![0.0_f64; axes];
-            for window in windows.iter().filter(|window| window.record == record) {
-                let bends = &window.passed.curvature[window.own()..];
-                for (axis, bend) in window.kept.iter().zip(bends) {
-                    most[*axis] = most[*axis].max(*bend);
-                }
-            }
-            let sums = curvature.iter_mut().zip(most);
-            sums.for_each(|(sum, most)| *sum += most);
-        }
-        if std::env::var("DBG").is_ok() && known_of.is_some() {
-            eprintln!(
-                "  windows {}",
-                windows
-                    .iter()
-                    .map(|w| format!(
-                        "{}..{}({})",
-                        w.link.as_ref().map_or(0, |l| l.sample()),
-                        w.passed.reached,
-                        w.passed.rows.products().len()
-                    ))
-                    .collect::<Vec<_>>()
-                    .join(" ")
-            );
+            let own = windows.iter().filter(|window| window.record == record);
+            let blames = blames(&own.collect::<Vec<_>>(), axes, until);
+            let sums = curvature.iter_mut().zip(blames);
+            sums.for_each(|(sum, blame)| *sum += blame);
         }
         // The unknowns that are left to all of them.
         let scales = common(&windows, axes)?;

@@ -112,8 +112,6 @@ pub(crate) enum Conflict {
 pub(crate) struct Anchor {
     pub(crate) sample: usize,
     pub(crate) states: Vec<Affine>,
-    /// A box of the parameters there.
-    pub(crate) params: Vec<Interval>,
 }
 
 /// What a pass came to.
@@ -448,10 +446,6 @@ impl Meeter<'_> {
             }
             if *quantity < self.problem.outputs {
                 let is_blurred = strip.remainder.width() > BLURRED * told.width();
-                if std::env::var("DBG").is_ok_and(|x| x == "2") {
-                    let all: Vec<String> = form.strips().iter().map(|s| format!("{:.5}+-{:.2e}|{:.2e}", s.centre, s.slopes.iter().map(|g| g.abs()).sum::<f64>(), s.rest.width())).collect();
-                    eprintln!("   {}..{sample}: reach {:.2e} remainder {:.2e} | {} | {}", self.span.from, reach.rad(), strip.remainder.width(), all.join(" "), form.note());
-                }
                 clear |= !is_blurred;
                 blurred |= is_blurred;
             }
@@ -518,12 +512,7 @@ impl Meeter<'_> {
         }
         let strips = form.strips().into_iter();
         let states = strips.map(|strip| self.affine(strip)).collect();
-        let params = form.param_box();
-        self.anchors.push(Anchor {
-            sample,
-            states,
-            params,
-        });
+        self.anchors.push(Anchor { sample, states });
         if self.anchors.len() > ANCHORS + self.wanted.len() {
             self.apart *= 2;
             let (from, apart, wanted) = (self.span.from, self.apart, &self.wanted);

@@ -28,9 +28,6 @@ const ENOUGH: f64 = 0.6;
 /// States are known about as well where they are this much wider.
 const AS_WELL: f64 = 2.0;
 
-/// and where it is open which right-hand side acts, when these are so many times narrower.
-const OPEN: f64 = 4.0;
-
 /// Where one window goes over to the next, what is no function of its unknowns should be less than this share.
 const LOST: f64 = 0.5;
 
@@ -73,16 +70,35 @@ pub(crate) struct Link {
     starts: Region,
 }
 
-impl Link {
-    pub(crate) fn sample(&self) -> usize {
-        self.sample
-    }
-}
 impl Window {
     /// How many unknowns are its own.
     pub(crate) fn own(&self) -> usize {
         self.link.as_ref().map_or(0, |link| link.starts.axes())
     }
+}
+
+/// How much each of so many axes is to blame that windows of a record end before the sample `until`, or bends what one that does
+/// not end tells: a hint.
+///
+/// What is not affine in the unknowns of a window, its own start states among them, ends it; what ends after few samples counts most.
+pub(crate) fn blames(windows: &[&Window], axes: usize, until: usize) -> Vec<f64> {
+    let mut blames = vec![0.0; axes];
+    for window in windows {
+        let begin = window.link.as_ref().map_or(0, |link| link.sample);
+        let bends = &window.passed.curvature;
+        let all: f64 = bends.iter().sum();
+        let share = match window.passed.reached < until {
+            true if all > 0.0 => 1.0 / all,
+            // The last of several is as long as there is something left.
+            false if windows.len() == 1 => 1.0,
+            _ => continue,
+        };
+        let length = (window.passed.reached - begin + 1) as f64;
+        for (axis, bend) in window.kept.iter().zip(&bends[window.own()..]) {
+            blames[*axis] += share * bend / length;
+        }
+    }
+    blames
 }
 
 impl Problem {
@@ -106,7 +122,7 @@ impl Problem {
         let first = windows.last().and_then(|window| {
             let rows = window.passed.rows.curved(BELIEVED);
             let part = contract_curved(&rows).ok()?;
-            self.anchored(&window.passed, (&rows, &part), (record, from), known)
+            anchored(&window.passed, &rows, &part, from, known)
         });
         let mut link = first;
         while let Some(next) = link.filter(|_| go_on()) {
@@ -137,9 +153,7 @@ impl Problem {
             let rows = passed.rows.curved(BELIEVED);
             let part = contract_curved(&rows).map_err(|conflict| of_record(record, conflict))?;
             let ended = passed.reached == until;
-            let place = (record, from);
-            let next_link = self.anchored(&passed, (&rows, &part), place, known);
-            let next_link = next_link.filter(|_| !ended);
+            link = anchored(&passed, &rows, &part, from, known).filter(|_| !ended);
             let both = passed.scales[fresh..].iter().zip(&part[fresh..]);
             let shrunk = both.map(|(scale, x)| scale.1.hi() * x.rad());
             let shrunk = shrunk.fold(1.0, f64::min);
@@ -153,79 +167,69 @@ impl Problem {
             if shrunk < ENOUGH {
                 break;
             }
-            link = next_link;
         }
         Ok(())
     }
+}
 
-    /// The last sample after `from` at which states are known about as well as anywhere on the way of a pass: what comes
-    /// after a sample tells as much of it as what was before, so that this is seldom the last one of all.
-    ///
-    /// Where it is open which right-hand side acts, a window begins with all that makes; so one at which that is decided may
-    /// be known less well. The rows are those of the pass, with what bounds their products.
-    fn anchored(
-        &self,
-        passed: &Passed,
-        (rows, part): (&Rows, &[Interval]),
-        (record, from): (usize, usize),
-        known: &Junctions,
-    ) -> Option<Link> {
-        let mut program = Program::new(rows, part, Side::Outer);
-        let every: Vec<usize> = (0..rows.plain()).collect();
-        let products = passed.rows.products();
-        let later = passed.anchors.iter().filter(|anchor| anchor.sample > from);
-        let boxes: Vec<(&Anchor, Vec<Interval>)> = later
-            .map(|anchor| {
-                let states = anchor.states.iter();
-                let states = states.map(|state| rows.adopt(state, products, &every));
-                let mut box_: Vec<Interval> = states.map(|state| program.around(&state)).collect();
-                for (x, known) in box_
-                    .iter_mut()
-                    .zip(known.get(&anchor.sample).into_iter().flatten())
-                {
-                    *x = x.intersect(*known);
-                }
-                (anchor, box_)
-            })
-            .filter(|(_, box_)| box_.iter().all(|x| x.is_bounded() && !x.is_empty()))
-            .collect();
-        let least: Vec<f64> = (0..boxes.first()?.1.len())
-            .map(|state| {
-                let widths = boxes.iter().map(|(_, box_)| box_[state].width());
-                widths.fold(f64::INFINITY, f64::min)
-            })
-            .collect();
-        let flow = &self.moved(false).flow;
-        let stretches = &self.courses[record].stretches;
-        let wider = |(anchor, box_): &(&Anchor, Vec<Interval>)| {
-            let pairs = box_.iter().zip(&least);
-            let shares = pairs.map(|(x, least)| x.width() / least.max(f64::MIN_POSITIVE));
-            let wider = shares.filter(|share| share.is_finite()).fold(1.0, f64::max);
-            let next = stretches.get(anchor.sample);
-            if next.is_some_and(|next| flow.is_decided(box_, &anchor.params, &next.inputs)) {
-                wider
-            } else {
-                OPEN * wider
+/// The last sample after `from` at which states are known about as well as anywhere on the way of a pass: what comes
+/// after a sample tells as much of it as what was before, so that this is seldom the last one of all.
+///
+/// The rows are those of the pass, with what bounds their products.
+fn anchored(
+    passed: &Passed,
+    rows: &Rows,
+    part: &[Interval],
+    from: usize,
+    known: &Junctions,
+) -> Option<Link> {
+    let mut program = Program::new(rows, part, Side::Outer);
+    let every: Vec<usize> = (0..rows.plain()).collect();
+    let products = passed.rows.products();
+    let later = passed.anchors.iter().filter(|anchor| anchor.sample > from);
+    let boxes: Vec<(&Anchor, Vec<Interval>)> = later
+        .map(|anchor| {
+            let states = anchor.states.iter();
+            let states = states.map(|state| rows.adopt(state, products, &every));
+            let mut box_: Vec<Interval> = states.map(|state| program.around(&state)).collect();
+            for (x, known) in box_
+                .iter_mut()
+                .zip(known.get(&anchor.sample).into_iter().flatten())
+            {
+                *x = x.intersect(*known);
             }
-        };
-        let costs: Vec<f64> = boxes.iter().map(wider).collect();
-        let best = costs.iter().copied().fold(f64::INFINITY, f64::min);
-        let as_well = boxes.iter().zip(&costs);
-        let as_well = as_well.filter(|(_, cost)| **cost <= AS_WELL * best);
-        let mut as_well = as_well.map(|(own, _)| own);
-        let is_linked = |(anchor, box_): &&(&Anchor, Vec<Interval>)| {
-            let mut states = anchor.states.iter().zip(box_);
-            states.all(|(state, x)| state.rest.width() <= LOST * x.width())
-        };
-        let linked = as_well.clone().rev().find(is_linked);
-        let (anchor, box_) = linked.or_else(|| as_well.next_back())?;
-        Some(Link {
-            sample: anchor.sample,
-            states: anchor.states.clone(),
-            products: products.to_vec(),
-            starts: Region::of_box(box_),
+            (anchor, box_)
         })
-    }
+        .filter(|(_, box_)| box_.iter().all(|x| x.is_bounded() && !x.is_empty()))
+        .collect();
+    let least: Vec<f64> = (0..boxes.first()?.1.len())
+        .map(|state| {
+            let widths = boxes.iter().map(|(_, box_)| box_[state].width());
+            widths.fold(f64::INFINITY, f64::min)
+        })
+        .collect();
+    let wider = |box_: &[Interval]| {
+        let pairs = box_.iter().zip(&least);
+        let shares = pairs.map(|(x, least)| x.width() / least.max(f64::MIN_POSITIVE));
+        shares.filter(|share| share.is_finite()).fold(1.0, f64::max)
+    };
+    let best = boxes.iter().map(|(_, box_)| wider(box_));
+    let best = best.fold(f64::INFINITY, f64::min);
+    let mut as_well = boxes
+        .iter()
+        .filter(|(_, box_)| wider(box_) <= AS_WELL * best);
+    let is_linked = |(anchor, box_): &&(&Anchor, Vec<Interval>)| {
+        let mut states = anchor.states.iter().zip(box_);
+        states.all(|(state, x)| state.rest.width() <= LOST * x.width())
+    };
+    let linked = as_well.clone().rev().find(is_linked);
+    let (anchor, box_) = linked.or_else(|| as_well.next_back())?;
+    Some(Link {
+        sample: anchor.sample,
+        states: anchor.states.clone(),
+        products: products.to_vec(),
+        starts: Region::of_box(box_),
+    })
 }
 
 /// The parts of the axes of a region that all windows leave, as scales.

@@ -212,18 +212,6 @@ impl Flow {
         field.is_none_or(|field| self.switching.jump_possible(&field.signs()))
     }
 
-    /// Whether one right-hand side is known to act on all of a box of states, parameters and inputs at first. A hint.
-    pub fn is_decided(
-        &self,
-        states: &[Interval],
-        params: &[Interval],
-        inputs: &[Interval],
-    ) -> bool {
-        let field = self.switching.field(&[states, params, inputs].concat());
-        self.is_smooth()
-            || field.is_some_and(|field| self.resolve(Some(&field), &field.signs()).is_some())
-    }
-
     /// Encloses by a box where solutions from a box of states are after a stretch, with all parameters of another
     /// box; `None` where that could not be proved.
     pub fn box_after(

@@ -93,7 +93,7 @@ impl Journey<'_> {
         let ended = flow.switching.field(&self.quantities(&end, inputs));
         form.signs = ended.map_or(Vec::new(), |field| field.signs());
         form.settle()?;
-        form.moments += 1; form.tear(&self.form, &self.open_by(&tube));
+        form.tear(&self.form, &self.open_by(&tube));
         self.earlier.clear();
         self.form = form;
         self.left = if last {

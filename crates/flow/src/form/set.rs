@@ -172,8 +172,6 @@ pub struct Form {
     pub(super) undefined: usize,
     /// How much of the states boxes made no function of the unknowns, by those that left signs open: a hint.
     pub(super) torn: Vec<f64>,
-    /// x
-    pub(super) moments: usize,
 }
 
 /// A quantity: its value in the middle, one slope per unknown, and what is added.
@@ -327,7 +325,7 @@ impl Form {
             signs: Vec::new(),
             within: Vec::new(),
             undefined: 0,
-            torn: vec![0.0; count], moments: 0,
+            torn: vec![0.0; count],
         };
         form.choose_order();
         form.tube = form.quick_hull();
@@ -368,8 +366,6 @@ impl Form {
         list.map(|range| (range.unknown, range.bounds())).collect()
     }
 
-    #[allow(missing_docs)]
-    pub fn note(&self) -> String { format!("{:?} {:?} {:?}", self.signs.iter().map(|s| format!("{s:?}").replace("Signs", "")).collect::<Vec<_>>(), self.torn.iter().map(|x| format!("{x:.2}")).collect::<Vec<_>>(), self.moments) }
     /// For how many moments since its start no right-hand side was defined on all of the form, so that boxes went on: a hint
     /// that the set is too wide for it.
     pub fn undefined_moments(&self) -> usize {
