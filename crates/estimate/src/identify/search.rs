@@ -46,7 +46,7 @@ impl Leaf {
 const WORTHWHILE: f64 = 0.8;
 
 /// a while being this share of the sets allowed, or so many.
-const PATIENCE: (usize, usize) = (20, 30);
+const PATIENCE: (usize, usize) = (10, 30);
 
 /// Bounds of which no point is known miss so many times as much as others.
 const UNKNOWN: f64 = 1e9;

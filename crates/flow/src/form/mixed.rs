@@ -93,7 +93,7 @@ impl Journey<'_> {
         let ended = flow.switching.field(&self.quantities(&end, inputs));
         form.signs = ended.map_or(Vec::new(), |field| field.signs());
         form.settle()?;
-        form.tear(&self.form, &self.open_by(&tube));
+        form.tear(&self.form.excesses(), &self.open_by(&tube));
         self.earlier.clear();
         self.form = form;
         self.left = if last {
@@ -220,10 +220,10 @@ fn boxed(form: &Form, states: &[Interval]) -> Form {
 }
 
 impl Form {
-    /// Blames unknowns, by their shares, for what is no longer a function of any that was one `before`.
-    fn tear(&mut self, before: &Form, shares: &[f64]) {
-        let lost = |state| (self.excess_of(state) - before.excess_of(state)).max(0.0);
-        let lost: f64 = (0..self.states.len()).map(lost).sum();
+    /// Blames unknowns, by their shares, for what is no function of any, where it was less `before`.
+    pub(super) fn tear(&mut self, before: &[f64], shares: &[f64]) {
+        let pairs = self.excesses().into_iter().zip(before);
+        let lost: f64 = pairs.map(|(now, before)| (now - before).max(0.0)).sum();
         let torn = self.torn.iter_mut().zip(shares);
         torn.for_each(|(torn, share)| *torn += lost * share);
     }

@@ -170,7 +170,7 @@ pub struct Form {
     pub(super) within: Vec<ParamForm>,
     /// Moments for which boxes went on, since no right-hand side was defined on all of it.
     pub(super) undefined: usize,
-    /// How much of the states boxes made no function of the unknowns, by those that left signs open: a hint.
+    /// How much of the states crossings and boxes made no function of the unknowns, by those that decide what is crossed: a hint.
     pub(super) torn: Vec<f64>,
 }
 
@@ -524,20 +524,22 @@ impl Form {
         if self.unknowns.is_empty() {
             return 0.0;
         }
-        let shares = (0..self.states.len()).map(|state| self.excess_of(state));
-        shares.fold(0.0, f64::max)
+        self.excesses().into_iter().fold(0.0, f64::max)
     }
 
-    /// The share of the width of a state that is no function of the unknowns.
-    pub(super) fn excess_of(&self, state: usize) -> f64 {
-        let rest = self.rest(state);
-        if rest == 0.0 {
-            return 0.0;
-        }
-        let terms = self.states[state].iter().enumerate().skip(1);
-        let own = terms.filter(|(a, _)| !self.is_fresh(*a));
-        let own: f64 = own.map(|(_, x)| x.abs()).sum();
-        rest / (rest + own)
+    /// For every state the share of its width that is no function of the unknowns.
+    pub(super) fn excesses(&self) -> Vec<f64> {
+        let share = |(state, polynomial): (usize, &Vec<f64>)| {
+            let rest = self.rest(state);
+            if rest == 0.0 {
+                return 0.0;
+            }
+            let terms = polynomial.iter().enumerate().skip(1);
+            let own = terms.filter(|(a, _)| !self.is_fresh(*a));
+            let own: f64 = own.map(|(_, x)| x.abs()).sum();
+            rest / (rest + own)
+        };
+        self.states.iter().enumerate().map(share).collect()
     }
 
     /// How much of a state is no function of the unknowns, as far as that matters.
@@ -565,8 +567,8 @@ impl Form {
             .collect()
     }
 
-    /// How far from linear the states depend on each unknown: the share of what is not linear in it, and of what boxes took
-    /// while it left open which right-hand side acts. A hint.
+    /// How far from linear the states depend on each unknown: the share of what is not linear in it, and of what was lost
+    /// where it decides which right-hand side acts. A hint.
     pub fn curvature(&self) -> Vec<f64> {
         let mut curvature = self.torn.clone();
         for polynomial in &self.states {
