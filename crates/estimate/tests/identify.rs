@@ -314,6 +314,52 @@ fn redrawn_record(
     (record, acting)
 }
 
+/// A motor that turns at the begin, and when is not known: sets are halved along the speed at the start, which leaves open
+/// what friction does, and all is told to a fifth.
+#[test]
+fn a_start_that_leaves_friction_open_is_halved() {
+    let text = MOTOR
+        .replace("v = 0", "v = [-20, 20]")
+        .replace("beta = [1, 400]", "beta = [50, 400]")
+        .replace("0.1\"", "0.005\"");
+    let model = read("motor", &text);
+    let motor = Motor {
+        alpha: -2.0,
+        beta: 150.0,
+        level: 0.15,
+    };
+    let (mut x, mut v, mut rng) = (0.0, -0.6, Rng(5));
+    let (mut rows, mut inputs) = (Vec::new(), Vec::new());
+    for k in 0..100 {
+        let since = f64::from(k % 45);
+        let u = match k / 45 {
+            0 => (-0.05 + 0.06 * since).min(0.6),
+            1 => (0.6 - 0.06 * since).max(-0.5),
+            _ => -0.5,
+        };
+        let u = (u * 1e4).round() / 1e4;
+        let unit = rng.between(-1.0, 1.0);
+        let measured = x + 0.003 * rng.pick(&[-1.0, 1.0, unit]);
+        let told = Interval::point(measured).inflate(0.005);
+        rows.push((f64::from(k) / 200.0, Some(told)));
+        inputs.push(vec![Interval::point(u)]);
+        (x, v) = motor.step(x, v, u, 0.005);
+    }
+    let record = samples(&rows, &inputs);
+    let options = IdentifyOptions {
+        sets: 40,
+        tightness: 1.2,
+        ..IdentifyOptions::default()
+    };
+    let found = run(&model, &[record], &options);
+    let truth = [motor.alpha, motor.beta, motor.level];
+    for (bounds, truth) in found.params.iter().zip(truth) {
+        assert!(bounds.outer.contains(truth), "{truth} in {bounds:?}");
+        assert!(bounds.tightness() < 1.3, "{bounds:?}");
+    }
+    assert!(found.starts[0][1].outer.contains(-0.6));
+}
+
 /// Says when the motor rests, and that friction may be another after a tenth of a second.
 const REDRAWN: &str = "[signals]\nstill = { proves = \"v == 0\", latency = 0 }\n[events]\n\
     rest = { when = \"still\", lasts = 0.1, action = \"reset T\" }\n";

@@ -16,7 +16,7 @@ use super::rows::{Affine, Rows};
 use super::simplex::{Deepest, Program, Side, deepest};
 use super::told::Told;
 use super::windows::{
-    Joined, Junctions, Window, common, in_common, information, joined, junctions, widths,
+    Joined, Junctions, Window, blames, common, in_common, information, joined, junctions, widths,
 };
 use serde::{Deserialize, Serialize};
 use veribound_flow::form::Parallelotope;
@@ -61,7 +61,7 @@ const FITS: usize = 12;
 const HOPELESS: usize = 2;
 
 /// A climb has so many steps at most, keeps inside of what was measured by this share,
-const CLIMBS: usize = 5;
+const CLIMBS: usize = 12;
 const MARGIN: f64 = 1e-3;
 
 /// takes steps so many times as long where they succeed or would bring too little, until this,
@@ -438,9 +438,6 @@ impl Problem {
                 return Err(of_record(record, conflict));
             }
             is_complete &= passed.is_complete;
-            for (axis, bend) in kept.iter().zip(&passed.curvature) {
-                curvature[*axis] += bend;
-            }
             let is_short = passed.reached < until;
             windows.push(Window {
                 passed,
@@ -452,6 +449,10 @@ impl Problem {
                 self.later_windows(&region, known, &mut windows, passes, go_on)?;
             }
             reached.push(windows.last().map_or(until, |last| last.passed.reached));
+            let own = windows.iter().filter(|window| window.record == record);
+            let blames = blames(&own.collect::<Vec<_>>(), axes, until);
+            let sums = curvature.iter_mut().zip(blames);
+            sums.for_each(|(sum, blame)| *sum += blame);
         }
         // The unknowns that are left to all of them.
         let scales = common(&windows, axes)?;

@@ -46,7 +46,10 @@ impl Leaf {
 const WORTHWHILE: f64 = 0.8;
 
 /// a while being this share of the sets allowed, or so many.
-const PATIENCE: (usize, usize) = (20, 30);
+const PATIENCE: (usize, usize) = (10, 30);
+
+/// Bounds of which no point is known miss so many times as much as others.
+const UNKNOWN: f64 = 1e9;
 
 /// So many tiles of a paving may be moved through the records for every set.
 const TILES_PER_SET: usize = 20;
@@ -61,7 +64,7 @@ const CLOSE: f64 = 0.02;
 const NEARER: f64 = 0.4;
 
 /// A climb goes on while a step may bring this share of what is missing,
-const WORTH: f64 = 0.05;
+const WORTH: f64 = 0.01;
 
 /// and where it ends.
 const NEAREST: f64 = 0.002;
@@ -69,12 +72,15 @@ const NEAREST: f64 = 0.002;
 /// So many climbs of little use end it.
 const IDLE: usize = 2;
 
+/// and where no more than this share is missing than then, climbs begin again.
+const LESS: f64 = 0.5;
+
 /// Where no point is known, it is looked for so often, and anew after so many sets.
 const TRIES: i32 = 6;
 const ANEW: usize = 8;
 
 /// A probe was of use if it brought a bound nearer by this share of what was missing.
-const USEFUL: f64 = 0.2;
+const USEFUL: f64 = 0.1;
 
 /// The proved point at which a quantity is least or largest, and where to look for a better one.
 #[derive(Clone, Serialize, Deserialize)]
@@ -83,8 +89,10 @@ struct Best {
     point: Vec<f64>,
     value: f64,
     reach: f64,
-    /// How many probes in a row were of little use.
+    /// How many probes in a row were of little use,
     idle: usize,
+    /// and how much was missing to the bound then.
+    missing: f64,
 }
 
 impl Best {
@@ -327,6 +335,7 @@ impl<'a> Search<'a> {
             best.idle = before.idle + 1;
             best.reach = NEARER * before.reach;
         }
+        best.missing = missing;
     }
 
     /// Takes in a proved point of a cell that was made by looking so far around another one, as share of a region.
@@ -363,6 +372,7 @@ impl<'a> Search<'a> {
                         value,
                         reach: CLOSE,
                         idle: best.as_ref().map_or(0, |best| best.idle),
+                        missing: best.as_ref().map_or(f64::INFINITY, |best| best.missing),
                     });
                 }
             }
@@ -426,20 +436,17 @@ impl<'a> Search<'a> {
         gaps
     }
 
-    /// How far bounds are from what is known to be possible: the sum of gaps, or the widths where nothing is known.
+    /// How far bounds are from what is wanted, on a logarithmic scale: the sum of gaps, or the widths where nothing is known.
     fn missing(&self) -> f64 {
-        let share = |quantity: usize| {
-            let whole = self.believed[quantity].width().max(1e-300);
-            match self.inner(quantity) {
-                Some(inner) if self.wants_least() => {
-                    (inner.lo() - self.outer(quantity).lo()).max(0.0) / whole
-                }
-                Some(inner) => (self.outer(quantity).width() - inner.width()).max(0.0) / whole,
-                // So that the first point is worth going on.
-                None => 1.0 + self.outer(quantity).width() / whole,
+        let share = |(gap, quantity, _): (f64, usize, bool)| {
+            if gap.is_finite() {
+                return gap.clamp(1.0, UNKNOWN).ln();
             }
+            // So that the first point is worth going on.
+            let whole = self.believed[quantity].width().max(1e-300);
+            (UNKNOWN * self.outer(quantity).width() / whole).ln()
         };
-        self.wanted.iter().copied().map(share).sum()
+        self.gaps().into_iter().map(share).sum()
     }
 
     /// The leaves that decide bounds which may be too wide, the worst first.
@@ -511,7 +518,7 @@ impl<'a> Search<'a> {
             let (since, before) = self.state.judged;
             if self.state.sets >= since + patience {
                 let missing = self.missing();
-                if missing > WORTHWHILE * before {
+                if missing > before + WORTHWHILE.ln() {
                     return;
                 }
                 self.state.judged = (self.state.sets, missing);
@@ -561,11 +568,17 @@ impl<'a> Search<'a> {
                 continue;
             };
             let side = usize::from(upper);
-            let best = self.state.best[param][side].as_ref();
-            if best.is_some_and(|best| best.reach > NEAREST && best.idle < IDLE) {
-                let outer = self.outer(quantity);
-                let end = if upper { outer.hi() } else { outer.lo() };
-                let missing = best.map_or(0.0, |best| (end - best.value).abs());
+            let outer = self.outer(quantity);
+            let end = if upper { outer.hi() } else { outer.lo() };
+            let Some(best) = self.state.best[param][side].as_mut() else {
+                continue;
+            };
+            let missing = (end - best.value).abs();
+            if missing < LESS * best.missing {
+                // Against bounds that were far too wide everything was of little use.
+                (best.idle, best.reach) = (0, CLOSE);
+            }
+            if best.reach > NEAREST && best.idle < IDLE {
                 jobs.push(Job::Climb(param, side, missing));
             } else {
                 ended.push((quantity, upper));

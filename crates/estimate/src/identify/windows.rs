@@ -80,6 +80,30 @@ impl Window {
     }
 }
 
+/// How much each of so many axes is to blame that windows of a record end before the sample `until`, or bends what one that does
+/// not end tells: a hint.
+///
+/// What is not affine in the unknowns of a window, its own start states among them, ends it; what ends after few samples counts most.
+pub(crate) fn blames(windows: &[&Window], axes: usize, until: usize) -> Vec<f64> {
+    let mut blames = vec![0.0; axes];
+    for window in windows {
+        let begin = window.link.as_ref().map_or(0, |link| link.sample);
+        let bends = &window.passed.curvature;
+        let all: f64 = bends.iter().sum();
+        let share = match window.passed.reached < until {
+            true if all > 0.0 => 1.0 / all,
+            // The last of several is as long as there is something left.
+            false if windows.len() == 1 => 1.0,
+            _ => continue,
+        };
+        let length = (window.passed.reached - begin + 1) as f64;
+        for (axis, bend) in window.kept.iter().zip(&bends[window.own()..]) {
+            blames[*axis] += share * bend / length;
+        }
+    }
+    blames
+}
+
 impl Problem {
     /// Goes on behind the last of `windows`, with start states of their own, to the end of its record; where they are
     /// `known` at some samples, this is taken. It ends earlier where it may not go on.

@@ -695,7 +695,11 @@ impl<'a> Journey<'a> {
             self.certain = Some(acting);
             return Ok(());
         }
+        let before = self.form.excesses();
+        let mut shares = vec![0.0; self.torn.len()];
+        acting.blame(trouble.watch, &mut shares);
         if self.cross(&mut acting, trouble.watch, unit).await.is_some() {
+            self.form.tear(&before, &shares);
             return Ok(());
         }
         if let Some(undecided) = self.undecided.take()

@@ -11,7 +11,7 @@
 
 use super::journey::{Acting, Journey};
 use super::piece::Piece;
-use super::regime::Regime;
+use super::regime::{Field, Regime};
 use super::set::Form;
 use super::step::Obstacle;
 use crate::modes::ModeSet;
@@ -97,6 +97,7 @@ impl Journey<'_> {
         let ended = flow.switching.field(&self.quantities(&end, inputs));
         form.signs = ended.map_or(Vec::new(), |field| field.signs());
         form.settle()?;
+        form.tear(&self.form.excesses(), &self.open_by(&tube));
         self.earlier.clear();
         self.form = form;
         self.left = if last {
@@ -106,6 +107,27 @@ impl Journey<'_> {
         };
         self.acting = None;
         Ok(())
+    }
+
+    /// How much each unknown decides the signs that are open on a box.
+    fn open_by(&self, states: &[Interval]) -> Vec<f64> {
+        let quantities = self.quantities(states, self.inputs());
+        let field = self.flow.switching.field(&quantities);
+        let gradients = field.as_ref().map_or(Vec::new(), Field::open_gradients);
+        let mut shares = vec![0.0; self.form.unknowns.len()];
+        for gradient in gradients {
+            let mut slopes = vec![0.0; shares.len()];
+            for (state, slope) in gradient {
+                let own = &self.form.states[state][1..];
+                let own = slopes.iter_mut().zip(own);
+                own.for_each(|(sum, x)| *sum += slope * x);
+            }
+            let all: f64 = slopes.iter().map(|x| x.abs()).sum();
+            let own = shares.iter_mut().zip(&slopes);
+            own.for_each(|(share, x)| *share += x.abs() / (all + 1e-300));
+        }
+        let all: f64 = shares.iter().sum();
+        shares.iter().map(|x| x / (all + 1e-300)).collect()
     }
 
     /// The modes of all groups whose guards, border included, can hold on a box.
@@ -202,6 +224,14 @@ fn boxed(form: &Form, states: &[Interval]) -> Form {
 }
 
 impl Form {
+    /// Blames unknowns, by their shares, for what is no function of any, where it was less `before`.
+    pub(super) fn tear(&mut self, before: &[f64], shares: &[f64]) {
+        let pairs = self.excesses().into_iter().zip(before);
+        let lost: f64 = pairs.map(|(now, before)| (now - before).max(0.0)).sum();
+        let torn = self.torn.iter_mut().zip(shares);
+        torn.for_each(|(torn, share)| *torn += lost * share);
+    }
+
     /// Puts states to intervals where these are narrower than the form.
     ///
     /// Guarantee: that of [`Form`] for the solutions whose states lie in `states` now.

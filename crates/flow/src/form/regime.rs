@@ -165,6 +165,15 @@ impl Field {
             .map(|value| Signs::of(*value))
             .collect()
     }
+
+    /// How surfaces whose signs are open depend on the states, about.
+    pub(super) fn open_gradients(&self) -> Vec<Vec<(usize, f64)>> {
+        let open = self.surfaces.iter().zip(&self.gradients);
+        let open = open.filter(|(value, _)| value.lo() < 0.0 && value.hi() > 0.0);
+        let middle = |(state, slope): &(usize, Interval)| (*state, slope.mid());
+        open.map(|(_, gradient)| gradient.iter().map(middle).collect())
+            .collect()
+    }
 }
 
 /// Velocities of a state.

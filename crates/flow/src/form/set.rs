@@ -170,6 +170,8 @@ pub struct Form {
     pub(super) within: Vec<ParamForm>,
     /// Moments for which boxes went on, since no right-hand side was defined on all of it.
     pub(super) undefined: usize,
+    /// How much of the states crossings and boxes made no function of the unknowns, by those that decide what is crossed: a hint.
+    pub(super) torn: Vec<f64>,
 }
 
 /// A quantity: its value in the middle, one slope per unknown, and what is added.
@@ -307,6 +309,7 @@ impl Form {
         });
         let params = params.collect();
         let starts: Vec<Vec<f64>> = starts.iter().map(polynomial).collect();
+        let count = unknowns.len();
         let mut form = Form {
             order: 0,
             scale: starts.iter().map(|p| p[0].abs()).collect(),
@@ -322,6 +325,7 @@ impl Form {
             signs: Vec::new(),
             within: Vec::new(),
             undefined: 0,
+            torn: vec![0.0; count],
         };
         form.choose_order();
         form.tube = form.quick_hull();
@@ -520,17 +524,22 @@ impl Form {
         if self.unknowns.is_empty() {
             return 0.0;
         }
-        let mut largest: f64 = 0.0;
-        for (state, polynomial) in self.states.iter().enumerate() {
+        self.excesses().into_iter().fold(0.0, f64::max)
+    }
+
+    /// For every state the share of its width that is no function of the unknowns.
+    pub(super) fn excesses(&self) -> Vec<f64> {
+        let share = |(state, polynomial): (usize, &Vec<f64>)| {
+            let rest = self.rest(state);
+            if rest == 0.0 {
+                return 0.0;
+            }
             let terms = polynomial.iter().enumerate().skip(1);
             let own = terms.filter(|(a, _)| !self.is_fresh(*a));
             let own: f64 = own.map(|(_, x)| x.abs()).sum();
-            let rest = self.rest(state);
-            if rest > 0.0 {
-                largest = largest.max(rest / (rest + own));
-            }
-        }
-        largest
+            rest / (rest + own)
+        };
+        self.states.iter().enumerate().map(share).collect()
     }
 
     /// How much of a state is no function of the unknowns, as far as that matters.
@@ -558,9 +567,10 @@ impl Form {
             .collect()
     }
 
-    /// How far from linear the states depend on each unknown.
+    /// How far from linear the states depend on each unknown: the share of what is not linear in it, and of what was lost
+    /// where it decides which right-hand side acts. A hint.
     pub fn curvature(&self) -> Vec<f64> {
-        let mut curvature = vec![0.0; self.unknowns.len()];
+        let mut curvature = self.torn.clone();
         for polynomial in &self.states {
             let size: f64 = polynomial[1..].iter().map(|x| x.abs()).sum();
             for (a, x) in polynomial.iter().enumerate() {
