@@ -125,10 +125,12 @@ impl Cuts<'_> {
             self.views = views.collect();
             self.say();
             if self.choices.iter().flatten().any(Range::is_empty) {
-                // There is no such solution.
-                let nowhere = Interval::point(1.0);
-                self.rows
-                    .push_outer(&vec![0.0; self.region.axes()], nowhere);
+                // There is no such solution: a row that no unknowns of the unit box satisfy.
+                let mut slopes = vec![0.0; self.region.axes()];
+                if let Some(slope) = slopes.first_mut() {
+                    *slope = 1.0;
+                }
+                self.rows.push_outer(&slopes, Interval::point(2.0));
                 self.bents.push(vec![0.0; self.region.axes()]);
                 return;
             }
