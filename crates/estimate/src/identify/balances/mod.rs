@@ -324,7 +324,7 @@ mod tests {
             for (stop, choice) in pairs.flat_map(|(track, choices)| track.stops.iter().zip(choices))
             {
                 let turns = |k: &usize| (states[*k][1] == 0.0) != (states[k + 1][1] == 0.0);
-                if let Some(k) = stop.stretches.clone().find(turns) {
+                for k in stop.stretches.clone().filter(turns) {
                     assert!(choice.contains(&k), "{p:?}: {k} not in {choice:?}");
                     stops += 1;
                     stretches += stop.stretches.len();
