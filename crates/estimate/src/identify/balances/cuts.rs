@@ -286,7 +286,8 @@ impl Cuts<'_> {
     }
 }
 
-fn append(rows: &mut Rows, other: &Rows) {
+/// Adds rows to others.
+pub(super) fn append(rows: &mut Rows, other: &Rows) {
     for row in 0..other.len() {
         rows.push_outer(other.slopes(row), other.outer(row));
     }

@@ -18,7 +18,7 @@ use super::pass::GoOn;
 use super::problem::Problem;
 use super::region::Region;
 use super::rows::Rows;
-use cuts::Cuts;
+use cuts::{Cuts, append};
 use track::Track;
 use veribound_flow::System;
 use veribound_flow::balance::Balance;
@@ -89,9 +89,7 @@ impl Balances {
         let mut cuts = Cuts::of(&self.tracks, region.clone());
         cuts.trim();
         cuts.ends(OWN);
-        for row in 0..cuts.rows.len() {
-            rows.push_outer(cuts.rows.slopes(row), cuts.rows.outer(row));
-        }
+        append(rows, &cuts.rows);
         cuts.bends()
     }
 
