@@ -3,6 +3,7 @@
 use crate::model::PyModel;
 use crate::problem::{misuse, raise};
 use pyo3::basic::CompareOp;
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use std::collections::hash_map::DefaultHasher;
 use std::hash::{Hash, Hasher};
@@ -263,22 +264,39 @@ impl Builder {
         PySymbol(entry.symbol())
     }
 
-    #[pyo3(signature = (name, unit, error, relative_error, column, domain))]
+    #[pyo3(signature = (name, unit, errors, error_hold, column, domain))]
     fn input(
         &mut self,
         name: &str,
         unit: Option<&str>,
-        error: Option<String>,
-        relative_error: Option<String>,
+        errors: (Option<String>, Option<String>),
+        error_hold: Option<&str>,
         column: Option<&str>,
         domain: Option<(Value<'_>, Value<'_>)>,
-    ) -> PySymbol {
+    ) -> PyResult<PySymbol> {
         let entry = self.0.input(name);
+        let (error, relative_error) = errors;
         given!(entry; unit(unit), error(error), relative_error(relative_error), column(column));
+        match error_hold {
+            None => {}
+            Some("sample") => {
+                entry.error_constant_between_samples();
+            }
+            Some("level") => {
+                entry.error_constant_per_level();
+            }
+            Some(other) => {
+                return Err(PyValueError::new_err(format!(
+                    "there is no error_hold `{other}`: write \"sample\" for an error that is constant from each sample to the \
+                     next, \"level\" for one that is constant as long as the recorded value stays the same, or leave it out for \
+                     any function of time"
+                )));
+            }
+        }
         if let Some((lower, upper)) = pair(domain) {
             entry.domain(lower, upper);
         }
-        PySymbol(entry.symbol())
+        Ok(PySymbol(entry.symbol()))
     }
 
     #[pyo3(signature = (name, bounds, unit, hold))]
@@ -352,18 +370,22 @@ impl Builder {
         }
     }
 
-    #[pyo3(signature = (name, value, error, relative_error, unit, column))]
+    #[pyo3(signature = (name, value, errors, outliers, unit, column))]
     fn output(
         &mut self,
         name: &str,
         value: Value<'_>,
-        error: String,
-        relative_error: Option<String>,
+        errors: (String, Option<String>),
+        outliers: Option<(usize, usize)>,
         unit: Option<&str>,
         column: Option<&str>,
     ) {
+        let (error, relative_error) = errors;
         let entry = self.0.output(name, value.symbol(), Number::from(error));
         given!(entry; unit(unit), column(column), relative_error(relative_error));
+        if let Some((most, of)) = outliers {
+            entry.outliers(most, of);
+        }
     }
 
     #[pyo3(signature = (name, proves, latency, column))]

@@ -71,7 +71,7 @@ def test_everything_a_file_can_say():
     model = vb.ModelBuilder("all of it")
     h = model.state("h", init=(1, vb.pi / 2), domain=(0, 100))
     v = model.state("v", init=0)
-    u = model.input("u", error=0.1, relative_error="0.01", column="drive", domain=(-5, 5))
+    u = model.input("u", error=0.1, relative_error="0.01", error_hold="level", column="drive", domain=(-5, 5))
     w = model.disturbance("w", -1, 1, hold=True)
     k = model.param("k", 0, 2, nominal=1)
     g = model.fixed("g", 9.81)
@@ -79,12 +79,14 @@ def test_everything_a_file_can_say():
     model.mode("low", h <= 1, der={h: v, v: -g - drag + w})
     model.mode("high", h >= 1, der={h: v, v: -g})
     model.jump("bounce", (h <= 0) & (v < 0), sets={v: -v * 0.5})
-    model.output("h_m", h, error="0.01", relative_error=0.1, column="height")
+    model.output("h_m", h, error="0.01", relative_error=0.1, outliers=(2, 100), column="height")
     model.signal("still", proves=v == 0, latency=0.02)
     model.event("again", "still", resets=k, lasts=0.5)
     built = model.build()
     assert built.signals == ["still"] and built.modes == ["low", "high"]
     assert [q.name for q in built.disturbances] == ["w"] and built.disturbances[0].bounds == (-1, 1)
+    assert 'error = { absolute = 0.1, relative = 0.01, hold = "level" }' in built.to_toml()
+    assert 'outliers = "2 in 100"' in built.to_toml()
     assert 'still = { proves = ["v == 0"], latency = 0.02 }' in built.to_toml()
     assert 'again = { when = "still", lasts = 0.5, action = "reset k" }' in built.to_toml()
 
@@ -96,6 +98,8 @@ def test_problems_are_shown_in_the_text():
     assert "nan" in str(caught.value)
     with pytest.raises(ValueError, match="3 entries"):
         model.state("z", init=(1, 2, 3))
+    with pytest.raises(ValueError, match="no error_hold `forever`"):
+        model.input("f", error=1, error_hold="forever")
 
 
 @pytest.mark.parametrize("name", sorted(path.parent.name for path in EXAMPLES.glob("*/model.toml")))

@@ -69,6 +69,13 @@ pub(crate) struct Candidate {
     clipped: Vec<Interval8>,
 }
 
+impl Candidate {
+    /// Room for a box where solutions flow, and for the part of it on which a mode acts.
+    pub(crate) fn scratch(&mut self) -> (&mut Vec<Interval8>, &mut Vec<Interval8>) {
+        (&mut self.flowing, &mut self.clipped)
+    }
+}
+
 impl System {
     /// Encloses `F(q)` on the boxes in `lanes`, as far as solutions flow there: for each state the
     /// hull of the right-hand sides of all modes whose closed guard meets the box, each taken on the

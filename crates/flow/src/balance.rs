@@ -24,13 +24,13 @@
 //! others those of `e`. Since `p_j - e_j` has one sign on all of the box, the ends of `s_j` bound `g` from both sides by linear functions; for
 //! a product of two parameters the four of two opposite corners are McCormick's. Where several modes may act, `w'` is for
 //! almost all times in the convex hull of their rates (Filippov), at a point at which they act: one convex
-//! combination of their values at `e`, and the same one of their slopes.
+//! combination of their values at `e`, and the same one of their slopes. Where `w` rests on a level `c` ([`Acting`]), `w'` is zero, and `r = -A c`.
 #![allow(
     clippy::indexing_slicing,
     reason = "PROOF: lists have the lengths of the model's layout"
 )]
 
-use crate::modes::ModeSet;
+use crate::acting::Acting;
 use crate::system::{System, demanded_equalities, put_levels};
 use veribound_interval::Interval;
 use veribound_interval::lanes::{Interval8, LANES};
@@ -170,7 +170,7 @@ impl Function {
 /// The equation of a rate, `w' = A(p) w + r`, with `x' = w`.
 ///
 /// ```
-/// use veribound_flow::ModeSet;
+/// use veribound_flow::Acting;
 /// use veribound_flow::balance::{Balance, FromCorner, FromCorners};
 /// use veribound_interval::Interval;
 ///
@@ -187,13 +187,13 @@ impl Function {
 /// let balances = Balance::of(&model);
 /// let balance = &balances[0];
 /// assert_eq!((balance.state(), balance.rate()), (0, 1));
-/// let mut one = ModeSet::EMPTY;
-/// one.insert(0);
+/// let mut one = Acting::default();
+/// one.modes.insert(0);
 /// let params = [Interval::new(-2.0, -1.0).unwrap(), Interval::new(3.0, 5.0).unwrap()];
 /// let states = [Interval::ENTIRE, Interval::new(0.0, 1.0).unwrap()];
 /// let inputs = [Interval::point(0.5)];
 /// // `b u` from b = 3 on, whatever the states are.
-/// let rest: FromCorners = balance.rest((&states, &params, &inputs), one).unwrap();
+/// let rest: FromCorners = balance.rest((&states, &params, &inputs), &one).unwrap();
 /// let low: &FromCorner = &rest[0];
 /// assert_eq!((low.at, low.slopes[1]), (Interval::point(1.5), Interval::point(0.5)));
 /// let [low, _] = balance.factor(&params).unwrap();
@@ -208,6 +208,8 @@ pub struct Balance {
     factor: Function,
     /// `r` of every mode that governs the rate.
     rests: Vec<(usize, Function)>,
+    /// The states and inputs, as quantities, that any of these depends on.
+    needs: Vec<usize>,
 }
 
 impl Balance {
@@ -236,6 +238,7 @@ impl Balance {
         };
         let factor = slopes.iter().find(is_constant).copied().unwrap_or(zero);
         let own = graph.var(Var::State(rate));
+        let mut needs = Vec::new();
         let rests = modes.iter().zip(slopes).map(|((mode, rhs), slope)| {
             let rest = if slope == factor {
                 graph.substitute(*rhs, &|var| (var == Var::State(rate)).then_some(zero))
@@ -247,13 +250,27 @@ impl Balance {
             let mut levels = Vec::new();
             demanded_equalities(graph, &model.modes[*mode].guard, &mut levels);
             let rest = put_levels(graph, rest, &levels);
+            needs.extend(
+                graph
+                    .variables(rest)
+                    .into_iter()
+                    .filter_map(|var| match var {
+                        Var::State(state) => Some(state),
+                        Var::Input(input) => Some(layout.states + layout.params + input),
+                        _ => None,
+                    }),
+            );
             (*mode, Function::compile(graph, layout, rest))
         });
+        let rests = rests.collect();
+        needs.sort_unstable();
+        needs.dedup();
         Balance {
             layout,
             state,
             rate,
-            rests: rests.collect(),
+            rests,
+            needs,
             factor: Function::compile(graph, layout, factor),
         }
     }
@@ -275,23 +292,78 @@ impl Balance {
         self.factor.bounds(self.layout, &quantities)
     }
 
-    /// Bounds of `r` while states, parameters and inputs are in these boxes, and no other modes than these act; nothing where it is
+    /// Whether the bounds of `r` are the same for these states and inputs as for those, whatever the parameters are.
+    pub fn are_alike(
+        &self,
+        (states, inputs): (&[Interval], &[Interval]),
+        (other_states, other_inputs): (&[Interval], &[Interval]),
+    ) -> bool {
+        let first = self.layout.states + self.layout.params;
+        self.needs.iter().all(|need| match need.checked_sub(first) {
+            Some(input) => inputs[input] == other_inputs[input],
+            None => states[*need] == other_states[*need],
+        })
+    }
+
+    /// Bounds of `r` while states, parameters and inputs are in these boxes, and this acts on the rate; nothing where it is
     /// not defined and continuous.
     pub fn rest(
         &self,
         (states, params, inputs): (&[Interval], &[Interval], &[Interval]),
-        modes: ModeSet,
+        acting: &Acting,
     ) -> Option<FromCorners> {
         let quantities = [states, params, inputs].concat();
-        let possible = self.rests.iter().filter(|(mode, _)| modes.contains(*mode));
         let mut hull: Option<FromCorners> = None;
-        for (_, rest) in possible {
-            let own = rest.bounds(self.layout, &quantities)?;
-            match &mut hull {
-                Some(hull) => hull.iter_mut().zip(&own).for_each(|(a, b)| a.hull(b)),
-                None => hull = Some(own),
+        let mut join = |own: FromCorners| match &mut hull {
+            Some(hull) => hull.iter_mut().zip(&own).for_each(|(a, b)| a.hull(b)),
+            None => hull = Some(own),
+        };
+        for (mode, rest) in &self.rests {
+            if acting.modes.contains(*mode) {
+                join(rest.bounds(self.layout, &quantities)?);
             }
         }
+        for level in &acting.levels {
+            let factor = self.factor(params)?;
+            join(factor.map(|side| {
+                let mut own = FromCorner::zero(self.layout.params);
+                own.add(Interval::point(-level), &side);
+                own
+            }));
+        }
         hull
+    }
+
+    /// Bounds of `w'` under the same conditions.
+    pub fn bend(
+        &self,
+        (states, params, inputs): (&[Interval], &[Interval], &[Interval]),
+        acting: &Acting,
+    ) -> Option<Interval> {
+        let range = |both: &FromCorners| {
+            let ends = [Interval::lo, Interval::hi];
+            let pairs = both.iter().zip(ends);
+            pairs.fold(Interval::ENTIRE, |range, (side, end)| {
+                let slopes = side.slopes.iter().zip(params);
+                let side = slopes.fold(side.at, |sum, (slope, param)| {
+                    sum + *slope * (*param - Interval::point(end(*param)))
+                });
+                range.intersect(side)
+            })
+        };
+        let mut bend = Interval::EMPTY;
+        if !acting.levels.is_empty() {
+            bend = Interval::ZERO;
+        }
+        if !acting.modes.is_empty() {
+            let moving = Acting {
+                modes: acting.modes,
+                levels: Vec::new(),
+            };
+            let rest = self.rest((states, params, inputs), &moving)?;
+            let factor = self.factor(params)?;
+            bend = bend.hull(range(&factor) * states[self.rate] + range(&rest));
+        }
+        Some(bend)
     }
 }

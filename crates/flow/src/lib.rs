@@ -6,6 +6,7 @@
 //! solutions. [`engine`] chooses between all of them. [`balance`] integrates equations against functions of time, without any
 //! solution.
 
+mod acting;
 mod advance;
 mod apriori;
 pub mod balance;
@@ -21,6 +22,7 @@ mod side;
 mod step;
 mod system;
 
+pub use acting::Acting;
 pub use apriori::AprioriFailure;
 pub use jump::{AtOnce, reduced};
 pub use modes::ModeSet;

@@ -119,8 +119,8 @@ pub struct StepReport {
 #[derive(Debug, Clone)]
 pub struct Workspace {
     options: StepOptions,
-    q: Vec<Interval8>,
-    apriori: Apriori,
+    pub(crate) q: Vec<Interval8>,
+    pub(crate) apriori: Apriori,
     pub(crate) registers: Registers,
     faces: Faces,
     modes: ModeMasks,
@@ -313,36 +313,6 @@ impl System {
         let known = self.velocity(q, Mask::lane(0), candidate, &mut failed, registers);
         let velocity = candidate.velocity.iter().map(|x| x.get(0));
         known.get(0).then(|| velocity.collect())
-    }
-
-    /// After [`System::step`] or [`System::step_apart`]: the modes of which velocities are combined (Filippov) somewhere on the
-    /// tube. Those are more than hold there as they are written: what slides along a surface does so by both of its
-    /// sides. `None` where their right-hand sides are not bounded there.
-    ///
-    /// ```
-    /// use veribound_flow::{StepOptions, System, Workspace};
-    /// # use veribound_interval::Interval;
-    ///
-    /// // Both modes hold a solution at zero, where the second one is not written to hold.
-    /// let text = r#"
-    ///     format = 1
-    ///     states = ["v"]
-    ///     init.v = 0
-    ///     outputs.y = "v +- 0.01"
-    ///     modes.slower = { when = "v >= 0", der.v = "-1" }
-    ///     modes.faster = { when = "v < 0", der.v = "1" }
-    /// "#;
-    /// let model = veribound_model::Model::from_text("m.toml", text)?;
-    /// let system = System::new(&model);
-    /// let mut workspace = Workspace::new(&system, StepOptions::default());
-    /// system.step(&mut [Interval::ZERO], &[], &[], Interval::ONE, &mut workspace).expect("a proof");
-    /// assert_eq!(system.modes_in_tube(&mut workspace).expect("bounded rates").len(), 2);
-    /// # Ok::<(), veribound_model::Diagnostics>(())
-    /// ```
-    pub fn modes_in_tube(&self, workspace: &mut Workspace) -> Option<ModeSet> {
-        self.velocity_in_tube(workspace)?;
-        let [modes, ..] = workspace.apriori.candidate.modes.sets();
-        Some(modes)
     }
 
     /// Moves the boxes in `lanes` over `dt` seconds. `boxes` holds the states, then the parameters.

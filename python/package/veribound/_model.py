@@ -187,14 +187,16 @@ class ModelBuilder:
         unit: Optional[str] = None,
         error: Any = None,
         relative_error: Any = None,
+        error_hold: Optional[str] = None,
         column: Optional[str] = None,
         domain: Optional[Ends] = None,
     ) -> Any:
         """Declares an input, a column of the record, with the largest error of a recorded value (in its unit, and as
-        a share of it); without one it is exact."""
-        error, relative = number_or_none(error), number_or_none(relative_error)
+        a share of it); without one it is exact. With `error_hold="sample"` the error is constant from each sample to
+        the next, with `"level"` as long as the recorded value stays the same; else it is any function of time."""
+        errors = (number_or_none(error), number_or_none(relative_error))
         domain = None if domain is None else _ends(domain)
-        return self._builder.input(name, unit, error, relative, column, domain)
+        return self._builder.input(name, unit, errors, error_hold, column, domain)
 
     def disturbance(
         self, name: str, lower: Value, upper: Value, *, unit: Optional[str] = None, hold: bool = False
@@ -235,13 +237,14 @@ class ModelBuilder:
         error: Any,
         *,
         relative_error: Any = None,
+        outliers: "Optional[tuple[int, int]]" = None,
         unit: Optional[str] = None,
         column: Optional[str] = None,
     ) -> None:
         """Declares what is measured, with the largest error of a recorded value, in its unit and beside that as a
-        share of it."""
-        relative = number_or_none(relative_error)
-        self._builder.output(name, operand(value), number(error), relative, unit, column)
+        share of it. With `outliers=(2, 100)` at most 2 of any 100 samples in a row are off by more."""
+        errors = (number(error), number_or_none(relative_error))
+        self._builder.output(name, operand(value), errors, outliers, unit, column)
 
     def signal(
         self, name: str, *, proves: "Iterable[Any]" = (), latency: Any = 0, column: Optional[str] = None

@@ -227,7 +227,7 @@ fn balanced(
     for _ in 0..LOOKS {
         let before = box_.clone();
         let seen = gross::narrow(problem, model, records, &mut box_, &alive)?;
-        problem.balances = Some(Balances::of(model, problem, &seen, &box_));
+        problem.balances = Some(Balances::of(model, problem, &seen, &box_, &alive));
         let cell = problem.refine(Region::of_box(&box_), Known::default(), false, &alive)?;
         for (quantity, x) in box_.iter_mut().enumerate() {
             *x = x.intersect(cell.outer(quantity));

@@ -69,7 +69,8 @@ struct Local {
     sizes: Vec<f64>,
     /// Whether inner rows prove that all records are met.
     is_complete: bool,
-    is_turned: bool,
+    /// So many of the last rows are borders of the upright tile around.
+    borders: usize,
 }
 
 /// Axes of tiles that lie in one upright tile, `clip`, of which they are all that is not excluded.
@@ -980,11 +981,13 @@ impl Local {
             let sides = (cell.part[*axis], Interval::symmetric(1.0 - BORDER));
             told.push_moved(&slopes, (rest, rest), sides, (SEVERAL, 0));
         }
+        let own = told.len();
         if let Some(turn) = turn {
             for p in open(&turn.frame.axes) {
                 told.push(&turn.frame.axes[p], begin[p], turn.clip[p], BELIEVED, 0);
             }
         }
+        let borders = told.len() - own;
         gaps.resize(told.len(), 0.0);
         let sizes = match turn {
             None => problem.prior.iter().map(|x| x.width()).collect(),
@@ -997,7 +1000,7 @@ impl Local {
             base,
             sizes,
             is_complete: cell.is_complete && others.iter().all(is_inside),
-            is_turned: turn.is_some(),
+            borders,
         })
     }
 
@@ -1046,6 +1049,13 @@ impl Local {
         Interval::new(least.min(most), most).unwrap_or_else(any_share)
     }
 
+    /// Whether a tile has nothing of the upright tile that all are parts of.
+    fn is_beyond(&self, at: &[Interval]) -> bool {
+        let rows = self.rows.len();
+        let mut borders = rows - self.borders..rows;
+        borders.any(|row| !self.sum(row, at).intersects(self.rows.outer(row)))
+    }
+
     fn sum(&self, row: usize, at: &[Interval]) -> Interval {
         let terms = self.rows.slopes(row).iter().zip(at);
         terms.fold(Interval::ZERO, |sum, (g, x)| sum + Interval::point(*g) * *x)
@@ -1064,7 +1074,7 @@ impl Local {
             let outer = self.rows.outer(row);
             if !sum.intersects(outer) {
                 let (sample, record) = self.rows.origin(row);
-                return if self.is_turned && sample == BELIEVED {
+                return if sample == BELIEVED && self.is_beyond(&at) {
                     Said::Beyond
                 } else {
                     Said::Outside(reason_of(record, &[(sample, record)]))

@@ -1,0 +1,364 @@
+//! A record as balances see it: states at samples, and what happens between them.
+#![allow(
+    clippy::indexing_slicing,
+    reason = "PROOF: samples, stretches and states of the problem"
+)]
+
+use std::ops::{Range, RangeInclusive};
+
+use super::super::problem::{Problem, Value};
+use super::said::Window;
+use veribound_flow::balance::Balance;
+use veribound_flow::{Acting, StepOptions, System, Workspace};
+use veribound_interval::Interval;
+
+/// States at samples are narrowed by so many neighbours on each side.
+const NEIGHBOURS: usize = 16;
+
+/// What happens between two samples is enclosed by its ends and by what acts there, in turns,
+const TUBES: usize = 1;
+
+/// Whether a stop is in one of its stretches is told by so many around.
+const AROUND: usize = 256;
+
+/// Between two samples.
+pub(super) struct Stretch {
+    pub(super) dt: Interval,
+    /// All states at all times of it.
+    pub(super) tube: Vec<Interval>,
+    pub(super) inputs: Vec<Interval>,
+    /// What acts on the rate.
+    pub(super) acting: Acting,
+    /// Which values of parameters act.
+    pub(super) phase: usize,
+    /// Of the rate.
+    pub(super) bend: Interval,
+    /// The first one of those before this one in a row which have the same bounds of `r`.
+    pub(super) alike: usize,
+}
+
+/// A balance along a record.
+pub(super) struct Track {
+    pub(super) record: usize,
+    pub(super) balance: Balance,
+    /// The state and its rate at samples.
+    pub(super) nodes: Vec<(Interval, Interval)>,
+    /// Where a stretch was proved.
+    pub(super) stretches: Vec<Option<Stretch>>,
+    /// Positions of the parameters' values among the quantities.
+    pub(super) phases: Vec<Vec<usize>>,
+    pub(super) stops: Vec<Stop>,
+    pub(super) windows: Vec<Window>,
+}
+
+/// Stretches in which the rate comes to a level once and stays there until their end; or leaves it once, after it was there from
+/// their begin on.
+pub(super) struct Stop {
+    pub(super) stretches: Range<usize>,
+    pub(super) comes: bool,
+    level: f64,
+}
+
+/// For every stop of a track the stretches in one of which it is.
+pub(super) type Choices = Vec<Range<usize>>;
+
+/// What of a stretch is known.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Part {
+    Open,
+    Moving,
+    Resting,
+}
+
+impl Stop {
+    /// What is known of one of its stretches if the stop is in these.
+    pub(super) fn part(&self, choice: &Range<usize>, k: usize) -> Part {
+        let (is_before, is_after) = (k < choice.start, k >= choice.end);
+        if self.comes && is_before || !self.comes && is_after {
+            Part::Moving
+        } else if is_before || is_after {
+            Part::Resting
+        } else {
+            Part::Open
+        }
+    }
+
+    /// The samples at which it is certain to be on the level.
+    fn rests(&self, choice: &Range<usize>) -> RangeInclusive<usize> {
+        if self.comes {
+            choice.end..=self.stretches.end
+        } else {
+            self.stretches.start..=choice.start
+        }
+    }
+}
+
+impl Track {
+    pub(super) fn of(record: usize, balance: &Balance) -> Track {
+        Track {
+            record,
+            balance: balance.clone(),
+            nodes: Vec::new(),
+            stretches: Vec::new(),
+            phases: Vec::new(),
+            stops: Vec::new(),
+            windows: Vec::new(),
+        }
+    }
+
+    /// Encloses what happens between samples.
+    pub(super) fn walk(
+        &mut self,
+        problem: &Problem,
+        system: &System,
+        states: &[Vec<Interval>],
+        box_: &[Interval],
+    ) {
+        let course = &problem.courses[self.record];
+        let (state, rate) = (self.balance.state(), self.balance.rate());
+        self.nodes = states.iter().map(|x| (x[state], x[rate])).collect();
+        self.stretches.clear();
+        let mut workspace = Workspace::new(system, StepOptions::default());
+        for (k, stretch) in course.stretches.iter().enumerate() {
+            if k + 1 >= states.len() {
+                break;
+            }
+            let later = problem.later(self.record).start;
+            let first = problem.params().start;
+            let values = (0..problem.layout.params).map(|param| match course.value(param, k) {
+                Value::First => Some(first + param),
+                Value::Later(position) => Some(later + position),
+                Value::Passing | Value::Recorded(_) => None,
+            });
+            let Some(values) = values.collect::<Option<Vec<usize>>>() else {
+                self.stretches.push(None);
+                continue;
+            };
+            let params: Vec<Interval> = values.iter().map(|value| box_[*value]).collect();
+            let mut ends = states[k].clone();
+            let inputs = &course.instants[k].inputs;
+            let dt = stretch.dt;
+            let moved = system.step(&mut ends, &params, inputs, dt, &mut workspace);
+            if moved.is_err() {
+                self.stretches.push(None);
+                continue;
+            }
+            let mut tube = workspace.tube().to_vec();
+            let known = workspace.velocity()[rate];
+            // What acts is known better where both ends tell where solutions are between, and the other way round.
+            let mut acting = Acting::default();
+            let mut bend = Some(known);
+            for _ in 0..=TUBES {
+                let Some(last) = bend else { break };
+                self.thin(&mut tube, k, dt, last);
+                let box_ = (&tube[..], &params[..], &inputs[..]);
+                acting = system.acting_on(box_, rate, &mut workspace);
+                bend = self
+                    .balance
+                    .bend(box_, &acting)
+                    .map(|own| own.intersect(last));
+            }
+            let Some(bend) = bend else {
+                self.stretches.push(None);
+                continue;
+            };
+            let phase = self.phases.iter().position(|known| *known == values);
+            let phase = phase.unwrap_or_else(|| {
+                self.phases.push(values);
+                self.phases.len() - 1
+            });
+            let before = self.stretches.last().and_then(Option::as_ref);
+            let alike = before.filter(|before| {
+                let same = (&before.tube[..], &before.inputs[..]);
+                let is_same = self.balance.are_alike(same, (&tube, inputs));
+                before.phase == phase && before.acting == acting && is_same
+            });
+            self.stretches.push(Some(Stretch {
+                dt,
+                bend,
+                alike: alike.map_or(k, |before| before.alike),
+                tube,
+                inputs: inputs.clone(),
+                acting,
+                phase,
+            }));
+        }
+    }
+
+    /// Narrows a tube by what is known at both of its ends, and of the rate's derivative between.
+    fn thin(&self, tube: &mut [Interval], k: usize, dt: Interval, bend: Interval) {
+        let (state, rate) = (self.balance.state(), self.balance.rate());
+        let time = Interval::ZERO.hull(dt);
+        let between = |ends: [Interval; 2], slope: Interval| {
+            let [begin, end] = ends;
+            (begin + time * slope).intersect(end - time * slope)
+        };
+        let (begin, end) = (self.nodes[k], self.nodes[k + 1]);
+        tube[rate] = tube[rate].intersect(between([begin.1, end.1], bend));
+        tube[state] = tube[state].intersect(between([begin.0, end.0], tube[rate]));
+    }
+
+    /// Takes what is known of states and rates at a sample to the next one, and to the one before: what comes to rest
+    /// is where it rests.
+    pub(super) fn sweep(&mut self) {
+        let (state, rate) = (self.balance.state(), self.balance.rate());
+        let last = self.nodes.len().saturating_sub(1).min(self.stretches.len());
+        let forward = (0..last).map(|k| (k, k + 1));
+        let back = (0..last).rev().map(|k| (k + 1, k));
+        for (from, to) in forward.chain(back) {
+            let Some(stretch) = &self.stretches[from.min(to)] else {
+                continue;
+            };
+            let time = if from < to { stretch.dt } else { -stretch.dt };
+            let (x, w) = self.nodes[from];
+            let x = (x + time * stretch.tube[rate]).intersect(stretch.tube[state]);
+            let w = (w + time * stretch.bend).intersect(stretch.tube[rate]);
+            self.narrow(to, (x, w));
+        }
+    }
+
+    /// Narrows a state and its rate; that nothing is left is for rows to say.
+    fn narrow(&mut self, node: usize, (x, w): (Interval, Interval)) {
+        let own = &mut self.nodes[node];
+        let left = (own.0.intersect(x), own.1.intersect(w));
+        if !(left.0.is_empty() || left.1.is_empty()) {
+            *own = left;
+        }
+    }
+
+    /// Narrows states and rates at samples by their neighbours.
+    ///
+    /// Proof. Taylor's theorem with integral remainders: for times `a < t < b` with `w'` in `V` almost everywhere between,
+    /// `x(t) = (x(a) (b - t) + x(b) (t - a))/(b - a) - R` with `R` in `(t - a) (b - t)/2 V`, since Green's function is not negative and has
+    /// that integral; and `w(t) = (x(b) - x(t))/(b - t) - (b - t)/2 v` with some `v` in `V`, likewise backwards.
+    pub(super) fn smooth(&mut self) {
+        let half = Interval::point(0.5);
+        // Times and accelerations from a sample on, in one direction.
+        let reach = |from: usize, is_back: bool| {
+            let (mut time, mut bend) = (Interval::ZERO, Interval::EMPTY);
+            let mut list = Vec::new();
+            for by in 1..=NEIGHBOURS {
+                let at = if is_back {
+                    from.checked_sub(by)
+                } else {
+                    Some(from + by - 1)
+                };
+                let stretch = at.and_then(|at| self.stretches.get(at)?.as_ref());
+                let Some(stretch) = stretch else { break };
+                time += stretch.dt;
+                bend = bend.hull(stretch.bend);
+                list.push((time, bend));
+            }
+            list
+        };
+        let nodes = (0..self.nodes.len()).map(|k| {
+            let (mut x, mut w) = self.nodes[k];
+            let (back, ahead) = (reach(k, true), reach(k, false));
+            for (p, (before, first)) in back.iter().enumerate() {
+                let left = self.nodes[k - p - 1].0;
+                w = w.intersect((x - left) / *before + half * *before * *first);
+                for (q, (after, second)) in ahead.iter().enumerate() {
+                    let right = self.nodes[k + q + 1].0;
+                    let share = *after / (*before + *after);
+                    let chord = right + share * (left - right);
+                    let rest = half * *before * *after * first.hull(*second);
+                    x = x.intersect(chord - rest);
+                }
+            }
+            for (q, (after, bend)) in ahead.iter().enumerate() {
+                let right = self.nodes[k + q + 1].0;
+                w = w.intersect((right - x) / *after - half * *after * *bend);
+            }
+            (x, w)
+        });
+        let nodes: Vec<(Interval, Interval)> = nodes.collect();
+        for (node, left) in nodes.into_iter().enumerate() {
+            self.narrow(node, left);
+        }
+    }
+
+    /// The functions that were chosen.
+    pub(super) fn windows(&self) -> &[Window] {
+        &self.windows
+    }
+
+    /// Positions among the quantities of all values of parameters.
+    pub(super) fn params(&self) -> impl Iterator<Item = usize> {
+        self.phases.iter().flatten().copied()
+    }
+
+    /// All stretches,
+    pub(super) fn all(&self) -> Range<usize> {
+        0..self.stretches.len()
+    }
+
+    /// and those around a stop.
+    pub(super) fn around(&self, stop: usize) -> Range<usize> {
+        let stretches = &self.stops[stop].stretches;
+        let end = self.stretches.len().min(stretches.end + AROUND);
+        stretches.start.saturating_sub(AROUND)..end
+    }
+
+    /// Stops of which nothing is known yet.
+    pub(super) fn choices(&self) -> Choices {
+        let stops = self.stops.iter();
+        stops.map(|stop| stop.stretches.clone()).collect()
+    }
+
+    /// Finds the stretches in which the rate comes to a level, or leaves it.
+    ///
+    /// Proof. On each of them the rate is on one side of the level, and does not go away from it (does not come nearer, before it
+    /// leaves). So the times at which it is on the level are those from one on to the end (from the begin to one), where it is
+    /// known to be there.
+    pub(super) fn find_stops(&mut self) {
+        let rate = self.balance.rate();
+        // The level, whether the rate is above it, and whether it comes to it, for what is both moving and at rest.
+        let open = |k: usize| {
+            let stretch = self.stretches.get(k)?.as_ref()?;
+            let [level] = stretch.acting.levels[..] else {
+                return None;
+            };
+            let tube = stretch.tube[rate];
+            let is_above = tube.lo() >= level;
+            let falls = stretch.bend.hi() <= 0.0;
+            let is_clear = !stretch.acting.modes.is_empty()
+                && (is_above || tube.hi() <= level)
+                && (falls || stretch.bend.lo() >= 0.0);
+            is_clear.then_some((level, is_above, is_above == falls))
+        };
+        let mut stops = Vec::new();
+        let mut from = 0;
+        while from < self.stretches.len() {
+            let Some(kind) = open(from) else {
+                from += 1;
+                continue;
+            };
+            let more = (from..).take_while(|k| open(*k) == Some(kind));
+            let stretches = from..from + more.count();
+            let (level, _, comes) = kind;
+            let rests_at = if comes { stretches.end } else { from };
+            from = stretches.end;
+            if self.nodes[rests_at].1 == Interval::point(level) {
+                stops.push(Stop {
+                    stretches,
+                    comes,
+                    level,
+                });
+            }
+        }
+        self.stops = stops;
+    }
+
+    /// States at samples, where it rests by choice all the same.
+    pub(super) fn nodes_with(&self, choices: &Choices) -> Vec<(Interval, Interval)> {
+        let mut nodes = self.nodes.clone();
+        for (stop, choice) in self.stops.iter().zip(choices) {
+            if let Some(resting) = nodes.get_mut(stop.rests(choice)) {
+                let place = resting.iter();
+                let place = place.fold(Interval::ENTIRE, |place, (x, _)| place.intersect(*x));
+                resting.fill((place, Interval::point(stop.level)));
+            }
+        }
+        nodes
+    }
+}
