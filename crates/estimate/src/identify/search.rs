@@ -48,6 +48,11 @@ const WORTHWHILE: f64 = 0.8;
 /// a while being this share of the sets allowed, or so many.
 const PATIENCE: (usize, usize) = (20, 30);
 
+/// Sets that do not come to the ends of records and are left as they were, so many in a row, are the last ones: smaller ones would have to be
+/// much smaller.
+const HOPELESS: usize = 12;
+const WHOLE: f64 = 0.999;
+
 /// So many tiles of a paving may be moved through the records for every set.
 const TILES_PER_SET: usize = 20;
 
@@ -100,7 +105,11 @@ impl Best {
 enum Job {
     /// A region, with the states and the bounds of quantities that are known of its solutions,
     Divide(Region, Vec<Junctions>, Vec<Interval>),
-    /// Around the best point of this quantity and side, from which so much is missing to the bound,
+    /// the same, if one window comes to the end of each record.
+    Whole(Region, Vec<Interval>),
+    /// About where a course agrees that is fitted from the middle of a region,
+    Begin(Region),
+    /// around the best point of this quantity and side, from which so much is missing to the bound,
     Climb(usize, usize, f64),
     /// or in the middle of a cell, where no point is known, with this reach.
     Middle(Box<Cell>, f64),
@@ -108,7 +117,7 @@ enum Job {
 
 /// Everything that is known, but of which quantities.
 #[derive(Serialize, Deserialize)]
-struct State {
+pub(crate) struct State {
     leaves: Vec<Leaf>,
     /// Per quantity the least upper and the largest lower bound of a proved point's value; the points themselves,
     /// as boxes of all quantities.
@@ -125,6 +134,28 @@ struct State {
     passes: usize,
     /// What was missing after so many sets.
     judged: (usize, f64),
+    /// So many sets in a row were left as they were.
+    idle: usize,
+}
+
+impl State {
+    /// Nothing is known.
+    pub(crate) fn new(problem: &Problem) -> State {
+        State {
+            leaves: Vec::new(),
+            inner: vec![(f64::INFINITY, f64::NEG_INFINITY); problem.told_before().len()],
+            points: Vec::new(),
+            best: vec![[None, None]; Search::wanted(problem).len()],
+            tries: 0,
+            tries_since: 0,
+            tried: None,
+            clashes: Vec::new(),
+            sets: 0,
+            passes: 0,
+            judged: (0, f64::INFINITY),
+            idle: 0,
+        }
+    }
 }
 
 /// A search for bounds.
@@ -145,43 +176,46 @@ pub(crate) struct Search<'a> {
 enum Outcome {
     Left(Box<Leaf>),
     Gone(Clash),
-    /// Points that a probe proved, after so many passes.
+    /// Points that a probe proved.
     Proved(Option<Box<Cell>>, Vec<Vec<f64>>),
+    /// The same, this share of a region around a point.
+    Begun(Box<Cell>, Vec<Vec<f64>>, f64),
+    /// Nothing.
+    None,
 }
 
 impl<'a> Search<'a> {
     pub(crate) fn new(problem: &'a Problem, options: &'a IdentifyOptions) -> Search<'a> {
-        let believed = problem.told_before();
-        let wanted = match problem.factor_position() {
+        Search::with(problem, options, State::new(problem))
+    }
+
+    /// What of everything that is told bounds are wanted of.
+    fn wanted(problem: &Problem) -> Vec<usize> {
+        match problem.factor_position() {
             Some(factor) => vec![factor],
             None => problem.lasting(),
-        };
-        let state = State {
-            leaves: Vec::new(),
-            inner: vec![(f64::INFINITY, f64::NEG_INFINITY); believed.len()],
-            points: Vec::new(),
-            best: vec![[None, None]; wanted.len()],
-            tries: 0,
-            tries_since: 0,
-            tried: None,
-            clashes: Vec::new(),
-            sets: 0,
-            passes: 0,
-            judged: (0, f64::INFINITY),
-        };
+        }
+    }
+
+    /// Goes on with what another search of the same problem found.
+    pub(crate) fn with(
+        problem: &'a Problem,
+        options: &'a IdentifyOptions,
+        state: State,
+    ) -> Search<'a> {
         Search {
             problem,
             options,
             told: problem.told_quantities(),
-            wanted,
-            believed,
+            wanted: Search::wanted(problem),
+            believed: problem.told_before(),
             state,
             interrupted: false,
         }
     }
 
-    pub(crate) fn problem(&self) -> &'a Problem {
-        self.problem
+    pub(crate) fn into_state(self) -> State {
+        self.state
     }
 
     /// Bounds of an error are wanted from below alone: any larger one is met, too.
@@ -192,14 +226,26 @@ impl<'a> Search<'a> {
     /// Looks at the whole box; it is kept, and all there is, if it is excluded or comes to the end of every record.
     pub(crate) fn reaches(&mut self, keep: &Keep<'_>) -> bool {
         let region = Region::of_box(&self.problem.around(&self.believed));
-        let job = Job::Divide(region, Vec::new(), self.believed.clone());
-        let outcome = self.look_at(&job, &|| keep.goes_on(&self.progress()));
+        let believed = self.believed.clone();
+        if self.keeps(&Job::Whole(region.clone(), believed.clone()), keep) {
+            return true;
+        }
+        // What comes now may take long, and tell nothing where samples are coarse.
+        let begin = Job::Begin(region.clone());
+        let begun = self.look_at(&begin, &|| keep.goes_on(&self.progress()));
+        self.take(&begin, begun);
+        self.keeps(&Job::Divide(region, Vec::new(), believed), keep)
+    }
+
+    /// Looks at all there is, as [`Search::reaches`].
+    fn keeps(&mut self, job: &Job, keep: &Keep<'_>) -> bool {
+        let outcome = self.look_at(job, &|| keep.goes_on(&self.progress()));
         let is_kept = match &outcome {
             Outcome::Left(leaf) => self.has_ended(&leaf.cell),
             _ => true,
         };
         if is_kept {
-            self.take(&job, outcome);
+            self.take(job, outcome);
         }
         is_kept
     }
@@ -208,30 +254,33 @@ impl<'a> Search<'a> {
         self.problem.ends(&cell.reached)
     }
 
-    /// Nothing agrees with the records.
-    pub(crate) fn refute(&mut self, clash: Clash) {
-        self.state.clashes.push(clash);
+    /// Begins with what is left of all quantities, if anything is, or goes on with what is known.
+    pub(crate) fn begin(&mut self, left: Option<Result<Vec<Interval>, Clash>>, keep: &Keep<'_>) {
+        match left {
+            Some(Ok(box_)) => self.run(Some(Region::of_box(&box_)), keep),
+            Some(Err(clash)) => self.state.clashes.push(clash),
+            None => self.run(None, keep),
+        }
     }
 
     fn look_at(&self, job: &Job, go_on: &GoOn<'_>) -> Outcome {
         let wanted: Vec<Told> = self.wanted.iter().map(|at| self.told[*at]).collect();
         let probed = match job {
             Job::Divide(region, known, within) => {
-                let problem = self.problem;
-                return match problem.refine(region.clone(), known.clone(), true, go_on) {
-                    Ok(cell) => {
-                        // Regions may reach out of what they are parts of a little, and more where it ends early.
-                        let pairs = self.told.iter().zip(within);
-                        let outer = pairs.map(|(told, x)| cell.bounds(*told).intersect(*x));
-                        Outcome::Left(Box::new(Leaf {
-                            outer: outer.collect(),
-                            points: cell.points(&wanted),
-                            cell,
-                            is_atom: false,
-                        }))
-                    }
-                    Err(clash) => Outcome::Gone(clash),
-                };
+                let refined = self
+                    .problem
+                    .refine(region.clone(), known.clone(), true, go_on);
+                return self.left(refined, within);
+            }
+            Job::Whole(region, within) => {
+                let refined = self.problem.refine_at_once(region.clone(), go_on);
+                return self.left(refined, within);
+            }
+            Job::Begin(region) => {
+                let found = self.problem.begin(region, &wanted, go_on);
+                return found.map_or(Outcome::None, |(cell, points, reach)| {
+                    Outcome::Begun(Box::new(cell), points, reach)
+                });
             }
             Job::Climb(param, side, missing) => {
                 let best = self.state.best[*param][*side].as_ref();
@@ -246,7 +295,7 @@ impl<'a> Search<'a> {
             }
             Job::Middle(cell, reach) => {
                 let point = cell.deepest().0;
-                match self.problem.fit(&cell.region, &point, go_on) {
+                match self.problem.fit(&cell.region, &point, 1.0, go_on) {
                     // It agrees; the question is how much around it is proved.
                     Some(fitted) => (0..TRIES).find_map(|nearer| {
                         let reaches = cell.reaches(reach * NEARER.powi(nearer));
@@ -266,8 +315,34 @@ impl<'a> Search<'a> {
         Outcome::Proved(probed.map(Box::new), points)
     }
 
+    /// What a region was narrowed to, with what is proved of it.
+    fn left(&self, refined: Result<Cell, Clash>, within: &[Interval]) -> Outcome {
+        match refined {
+            Ok(cell) => {
+                let wanted: Vec<Told> = self.wanted.iter().map(|at| self.told[*at]).collect();
+                // Regions may reach out of what they are parts of a little, and more where it ends early.
+                let pairs = self.told.iter().zip(within);
+                let outer = pairs.map(|(told, x)| cell.bounds(*told).intersect(*x));
+                Outcome::Left(Box::new(Leaf {
+                    outer: outer.collect(),
+                    points: cell.points(&wanted),
+                    cell,
+                    is_atom: false,
+                }))
+            }
+            Err(clash) => Outcome::Gone(clash),
+        }
+    }
+
     fn take(&mut self, job: &Job, outcome: Outcome) {
         match outcome {
+            Outcome::None => {}
+            Outcome::Begun(cell, points, reach) => {
+                self.state.passes += cell.passes;
+                for point in &points {
+                    self.learn(&cell, point, reach);
+                }
+            }
             Outcome::Gone(clash) => {
                 self.state.sets += 1;
                 self.state.passes += clash.passes;
@@ -276,6 +351,9 @@ impl<'a> Search<'a> {
             Outcome::Left(leaf) => {
                 self.state.sets += 1;
                 self.state.passes += leaf.cell.passes;
+                let mut part = leaf.cell.part.iter();
+                let is_idle = !self.has_ended(&leaf.cell) && part.all(|x| x.rad() > WHOLE);
+                self.state.idle = if is_idle { self.state.idle + 1 } else { 0 };
                 for point in &leaf.points {
                     self.learn(&leaf.cell, point, 1.0);
                 }
@@ -289,7 +367,7 @@ impl<'a> Search<'a> {
                         (before, looked)
                     }
                     Job::Middle(_, reach) => (None, *reach),
-                    Job::Divide(..) => (None, 1.0),
+                    _ => (None, 1.0),
                 };
                 if let Job::Middle(from, reach) = job {
                     self.state.tries += 1;
@@ -504,6 +582,9 @@ impl<'a> Search<'a> {
                 self.interrupted = true;
                 return;
             }
+            if self.state.idle >= HOPELESS {
+                return;
+            }
             let (since, before) = self.state.judged;
             if self.state.sets >= since + patience {
                 let missing = self.missing();
@@ -561,7 +642,13 @@ impl<'a> Search<'a> {
             if best.is_some_and(|best| best.reach > NEAREST && best.idle < IDLE) {
                 let outer = self.outer(quantity);
                 let end = if upper { outer.hi() } else { outer.lo() };
-                let missing = best.map_or(0.0, |best| (end - best.value).abs());
+                let mut missing = best.map_or(0.0, |best| (end - best.value).abs());
+                // A bound of sets that come nowhere says nothing of how far points may be.
+                let leaf = self.extreme(quantity, upper);
+                let leaf = leaf.map(|leaf| &self.state.leaves[leaf].cell);
+                if leaf.is_some_and(|cell| !self.has_ended(cell)) && !self.wants_least() {
+                    missing = missing.min(self.inner(quantity).map_or(missing, |x| x.width()));
+                }
                 jobs.push(Job::Climb(param, side, missing));
             } else {
                 ended.push((quantity, upper));

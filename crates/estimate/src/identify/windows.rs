@@ -25,6 +25,12 @@ use veribound_interval::Interval;
 /// Later windows are left for the next round when one leaves less than this share of an axis.
 const ENOUGH: f64 = 0.6;
 
+/// Where so many windows in a row tell nothing of what they have in common, later ones are left until more is known.
+const IDLE: usize = 48;
+
+/// What leaves this share of every axis tells nothing of them.
+const WHOLE: f64 = 0.999;
+
 /// States are known about as well where they are this much wider.
 const AS_WELL: f64 = 2.0;
 
@@ -101,6 +107,7 @@ impl Problem {
             anchored(&window.passed, &rows, &part, from, known)
         });
         let mut link = first;
+        let mut idle = 0;
         while let Some(next) = link.filter(|_| go_on()) {
             from = next.sample;
             let fresh = next.starts.axes();
@@ -139,8 +146,9 @@ impl Problem {
                 record,
                 link: Some(next),
             });
+            idle = if shrunk > WHOLE { idle + 1 } else { 0 };
             // A narrower set goes farther.
-            if shrunk < ENOUGH {
+            if shrunk < ENOUGH || idle >= IDLE {
                 break;
             }
         }
