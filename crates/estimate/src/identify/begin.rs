@@ -35,7 +35,7 @@ const NEAR: [f64; 2] = [1e-4, 1e-6];
 
 /// A point is lowered in so many steps at most, of this share of the region at first, until one brings no more than this share of what is
 /// left.
-const STEPS: usize = 12;
+const STEPS: usize = 24;
 const TRUST: f64 = 0.5;
 const ARRIVED: f64 = 1e-3;
 
@@ -107,7 +107,7 @@ impl Problem {
                         break;
                     }
                 }
-                None => trust *= 0.25,
+                None => trust *= 0.5,
             }
             if trust < ARRIVED {
                 break;

@@ -48,10 +48,10 @@ const WORTHWHILE: f64 = 0.8;
 /// a while being this share of the sets allowed, or so many.
 const PATIENCE: (usize, usize) = (20, 30);
 
-/// Sets that do not come to the ends of records and are left as they were, so many in a row, are the last ones: smaller ones would have to be
-/// much smaller.
+/// Where so many sets in a row do not come to the ends of records, and bounds keep this share of their widths all the while, it is over: sets
+/// would have to be much smaller.
 const HOPELESS: usize = 12;
-const WHOLE: f64 = 0.999;
+const SAME: f64 = 0.95;
 
 /// So many tiles of a paving may be moved through the records for every set.
 const TILES_PER_SET: usize = 20;
@@ -61,6 +61,10 @@ const REACH: f64 = 0.5;
 
 /// and around the end of a climb,
 const CLOSE: f64 = 0.02;
+
+/// one that proves nothing where sets come nowhere is tried so often in all, each time with this share of it,
+const SMALLER: i32 = 4;
+const SMALL: f64 = 0.1;
 
 /// the next one where a probe was of little use, as share of that,
 const NEARER: f64 = 0.4;
@@ -134,8 +138,9 @@ pub(crate) struct State {
     passes: usize,
     /// What was missing after so many sets.
     judged: (usize, f64),
-    /// So many sets in a row were left as they were.
+    /// So many sets in a row did not come to the ends of records, since bounds had these widths.
     idle: usize,
+    idle_since: f64,
 }
 
 impl State {
@@ -154,6 +159,7 @@ impl State {
             passes: 0,
             judged: (0, f64::INFINITY),
             idle: 0,
+            idle_since: f64::INFINITY,
         }
     }
 }
@@ -176,12 +182,8 @@ pub(crate) struct Search<'a> {
 enum Outcome {
     Left(Box<Leaf>),
     Gone(Clash),
-    /// Points that a probe proved.
-    Proved(Option<Box<Cell>>, Vec<Vec<f64>>),
-    /// The same, this share of a region around a point.
-    Begun(Box<Cell>, Vec<Vec<f64>>, f64),
-    /// Nothing.
-    None,
+    /// Points that a probe proved, so far around another one, as share of a region.
+    Proved(Option<Box<Cell>>, Vec<Vec<f64>>, f64),
 }
 
 impl<'a> Search<'a> {
@@ -265,6 +267,7 @@ impl<'a> Search<'a> {
 
     fn look_at(&self, job: &Job, go_on: &GoOn<'_>) -> Outcome {
         let wanted: Vec<Told> = self.wanted.iter().map(|at| self.told[*at]).collect();
+        let mut looked = 1.0;
         let probed = match job {
             Job::Divide(region, known, within) => {
                 let refined = self
@@ -278,22 +281,38 @@ impl<'a> Search<'a> {
             }
             Job::Begin(region) => {
                 let found = self.problem.begin(region, &wanted, go_on);
-                return found.map_or(Outcome::None, |(cell, points, reach)| {
-                    Outcome::Begun(Box::new(cell), points, reach)
-                });
+                return found.map_or(
+                    Outcome::Proved(None, Vec::new(), 1.0),
+                    |(cell, points, reach)| Outcome::Proved(Some(Box::new(cell)), points, reach),
+                );
             }
             Job::Climb(param, side, missing) => {
                 let best = self.state.best[*param][*side].as_ref();
+                let tries = if self.comes_nowhere(self.wanted[*param], *side == 1) {
+                    SMALLER
+                } else {
+                    1
+                };
                 best.and_then(|best| {
                     let problem = self.problem;
                     let goal = (wanted[*param], *side == 1);
                     let least = WORTH * missing;
                     let end = problem.climb(&best.region, &best.point, goal, least, go_on)?;
-                    let reaches = vec![best.reach; end.len()];
-                    problem.probe(&best.region, &end, &reaches, go_on)
+                    let mut probed = None;
+                    for smaller in 0..tries {
+                        looked = best.reach * SMALL.powi(smaller);
+                        let reaches = vec![looked; end.len()];
+                        probed = problem.probe(&best.region, &end, &reaches, go_on);
+                        let proves = |cell: &Cell| !cell.points(&wanted).is_empty();
+                        if probed.as_ref().is_some_and(proves) {
+                            break;
+                        }
+                    }
+                    probed
                 })
             }
             Job::Middle(cell, reach) => {
+                looked = *reach;
                 let point = cell.deepest().0;
                 match self.problem.fit(&cell.region, &point, 1.0, go_on) {
                     // It agrees; the question is how much around it is proved.
@@ -312,7 +331,7 @@ impl<'a> Search<'a> {
         let points = probed
             .as_ref()
             .map_or(Vec::new(), |cell| cell.points(&wanted));
-        Outcome::Proved(probed.map(Box::new), points)
+        Outcome::Proved(probed.map(Box::new), points, looked)
     }
 
     /// What a region was narrowed to, with what is proved of it.
@@ -336,13 +355,6 @@ impl<'a> Search<'a> {
 
     fn take(&mut self, job: &Job, outcome: Outcome) {
         match outcome {
-            Outcome::None => {}
-            Outcome::Begun(cell, points, reach) => {
-                self.state.passes += cell.passes;
-                for point in &points {
-                    self.learn(&cell, point, reach);
-                }
-            }
             Outcome::Gone(clash) => {
                 self.state.sets += 1;
                 self.state.passes += clash.passes;
@@ -351,23 +363,20 @@ impl<'a> Search<'a> {
             Outcome::Left(leaf) => {
                 self.state.sets += 1;
                 self.state.passes += leaf.cell.passes;
-                let mut part = leaf.cell.part.iter();
-                let is_idle = !self.has_ended(&leaf.cell) && part.all(|x| x.rad() > WHOLE);
-                self.state.idle = if is_idle { self.state.idle + 1 } else { 0 };
+                self.state.idle = if self.has_ended(&leaf.cell) {
+                    0
+                } else {
+                    self.state.idle + 1
+                };
                 for point in &leaf.points {
                     self.learn(&leaf.cell, point, 1.0);
                 }
                 self.state.leaves.push(*leaf);
             }
-            Outcome::Proved(cell, points) => {
-                let (before, looked) = match job {
-                    Job::Climb(param, side, _) => {
-                        let before = self.state.best[*param][*side].clone();
-                        let looked = before.as_ref().map_or(1.0, |best| best.reach);
-                        (before, looked)
-                    }
-                    Job::Middle(_, reach) => (None, *reach),
-                    _ => (None, 1.0),
+            Outcome::Proved(cell, points, looked) => {
+                let before = match job {
+                    Job::Climb(param, side, _) => self.state.best[*param][*side].clone(),
+                    _ => None,
                 };
                 if let Job::Middle(from, reach) = job {
                     self.state.tries += 1;
@@ -500,6 +509,15 @@ impl<'a> Search<'a> {
         gaps
     }
 
+    /// The widths of bounds, as shares of what was believed.
+    fn widths(&self) -> f64 {
+        let share = |quantity: usize| {
+            let whole = self.believed[quantity].width().max(1e-300);
+            self.outer(quantity).width() / whole
+        };
+        self.wanted.iter().copied().map(share).sum()
+    }
+
     /// How far bounds are from what is known to be possible: the sum of gaps, or the widths where nothing is known.
     fn missing(&self) -> f64 {
         let share = |quantity: usize| {
@@ -582,6 +600,10 @@ impl<'a> Search<'a> {
                 self.interrupted = true;
                 return;
             }
+            let widths = self.widths();
+            if widths < SAME * self.state.idle_since {
+                (self.state.idle, self.state.idle_since) = (0, widths);
+            }
             if self.state.idle >= HOPELESS {
                 return;
             }
@@ -643,10 +665,7 @@ impl<'a> Search<'a> {
                 let outer = self.outer(quantity);
                 let end = if upper { outer.hi() } else { outer.lo() };
                 let mut missing = best.map_or(0.0, |best| (end - best.value).abs());
-                // A bound of sets that come nowhere says nothing of how far points may be.
-                let leaf = self.extreme(quantity, upper);
-                let leaf = leaf.map(|leaf| &self.state.leaves[leaf].cell);
-                if leaf.is_some_and(|cell| !self.has_ended(cell)) && !self.wants_least() {
+                if self.comes_nowhere(quantity, upper) {
                     missing = missing.min(self.inner(quantity).map_or(missing, |x| x.width()));
                 }
                 jobs.push(Job::Climb(param, side, missing));
@@ -669,6 +688,13 @@ impl<'a> Search<'a> {
             }
         }
         jobs
+    }
+
+    /// Whether what decides a bound does not come to the ends of records, so that it says nothing of how far points may be.
+    fn comes_nowhere(&self, quantity: usize, upper: bool) -> bool {
+        let leaf = self.extreme(quantity, upper);
+        let leaf = leaf.map(|leaf| &self.state.leaves[leaf].cell);
+        leaf.is_some_and(|cell| !self.has_ended(cell)) && !self.wants_least()
     }
 
     /// The leaf that decides a bound.
