@@ -191,6 +191,13 @@ fn narrowed(
             pairs.for_each(|(x, by)| *x = x.intersect(*by));
         };
         cut(&mut box_, &problem.around(&told));
+        if !problem.is_driven_freely() && problem.balances.is_none() {
+            // The observer may be enough.
+            let cell = problem.refine_at_once(Region::of_box(&box_), &alive)?;
+            if problem.ends(&cell.reached) {
+                return Ok(box_);
+            }
+        }
         problem.balances = Some(Balances::of(&own, problem, &seen, &box_));
         let cell = problem.refine(Region::of_box(&box_), Vec::new(), false, &alive)?;
         let left: Vec<Interval> = all.iter().map(|own| cell.bounds(*own)).collect();
