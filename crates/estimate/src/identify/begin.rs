@@ -66,6 +66,8 @@ impl Problem {
             let reaches = vec![*reach; point.len()];
             let cell = self.probe(region, &point, &reaches, go_on)?;
             let points = cell.points(wanted);
+            // As for fits, its passes are not counted.
+            let cell = Cell { passes: 0, ..cell };
             (!points.is_empty()).then_some((cell, points, *reach))
         })
     }
