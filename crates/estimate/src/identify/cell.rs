@@ -161,9 +161,24 @@ impl Problem {
     /// these says, are in the part of the cell; a clash proves that there are none.
     pub(crate) fn refine(
         &self,
-        mut region: Region,
+        region: Region,
         known: Known,
         may_turn: bool,
+        go_on: &GoOn<'_>,
+    ) -> Result<Cell, Clash> {
+        self.narrowed((region, known), may_turn, true, go_on)
+    }
+
+    /// As [`Problem::refine`] where one window comes to the end of each record; else little is done, and little is told.
+    pub(crate) fn refine_at_once(&self, region: Region, go_on: &GoOn<'_>) -> Result<Cell, Clash> {
+        self.narrowed((region, Known::default()), true, false, go_on)
+    }
+
+    fn narrowed(
+        &self,
+        (mut region, known): (Region, Known),
+        may_turn: bool,
+        by_windows: bool,
         go_on: &GoOn<'_>,
     ) -> Result<Cell, Clash> {
         let mut passes = 0;
@@ -186,9 +201,10 @@ impl Problem {
                 conflict,
                 passes,
             };
-            let seen = self.passed(region, &mut passes, Some(&known), go_on);
+            let seen = self.passed(region, &mut passes, Some(&known), by_windows, go_on);
             let seen = seen.map_err(|found| clash(found, passes))?;
-            let is_last = round >= ROUNDS || !go_on();
+            let is_short = !by_windows && !self.ends(&seen.reached);
+            let is_last = round >= ROUNDS || is_short || !go_on();
             let own = seen.windows.iter().map(Window::own).sum();
             (region, known) = loop {
                 let told = self.told(&seen, &within, together);
@@ -250,7 +266,7 @@ impl Problem {
             .collect();
         let mut passes = 0;
         let seen = self
-            .passed(region.part(&part), &mut passes, None, go_on)
+            .passed(region.part(&part), &mut passes, None, false, go_on)
             .ok()?;
         let (cell, _) = self.told(&seen, &[], 0).ok()?;
         Some(Cell { passes, ..cell })
@@ -262,12 +278,18 @@ impl Problem {
         courses.all(|(course, reached)| *reached == course.end())
     }
 
-    /// Goes from a point of the region to one nearby that agrees with all records, as far as that is seen without proof:
-    /// each time to the deepest point of what is measured as linear functions there.
-    pub(crate) fn fit(&self, region: &Region, point: &[f64], go_on: &GoOn<'_>) -> Option<Vec<f64>> {
+    /// Goes from a point of the region to one nearby that agrees with the begin of all records, this share of each, as far
+    /// as that is seen without proof: each time to the deepest point of what is measured as linear functions there.
+    pub(crate) fn fit(
+        &self,
+        region: &Region,
+        point: &[f64],
+        share: f64,
+        go_on: &GoOn<'_>,
+    ) -> Option<Vec<f64>> {
         let mut at = point.to_vec();
         let mut trust = TRUST;
-        let (mut depth, mut rows) = self.linear(region, &at, go_on)?;
+        let (mut depth, mut rows) = self.linear(region, &at, share, go_on)?;
         for tried in 0..FITS {
             if depth > 0.0 {
                 return Some(at);
@@ -281,7 +303,7 @@ impl Problem {
                 return None;
             }
             let next: Vec<f64> = at.iter().zip(&step).map(|(x, by)| x + by).collect();
-            let better = self.linear(region, &next, go_on);
+            let better = self.linear(region, &next, share, go_on);
             match better.filter(|(own, _)| *own > depth) {
                 Some(found) => (at, depth, rows) = (next, found.0, found.1),
                 None => trust *= 0.3,
@@ -309,7 +331,7 @@ impl Problem {
         let mut best = point.to_vec();
         let mut at = point.to_vec();
         let (mut trust, mut farthest, mut margin) = (TRUST, FARTHEST, MARGIN);
-        let (_, mut rows) = self.linear(region, &at, go_on)?;
+        let (_, mut rows) = self.linear(region, &at, 1.0, go_on)?;
         for _ in 0..CLIMBS {
             let (mut step, mut is_near);
             let mut next: Vec<f64>;
@@ -327,7 +349,7 @@ impl Problem {
             if height(&best) - height(&next) < least {
                 break;
             }
-            let found = self.linear(region, &next, go_on);
+            let found = self.linear(region, &next, 1.0, go_on);
             match found.filter(|(depth, _)| *depth > -ASTRAY) {
                 Some((depth, own)) => {
                     (at, rows) = (next, own);
@@ -354,9 +376,15 @@ impl Problem {
         Some(best)
     }
 
-    /// What is measured as linear functions of the step from a point of a region, in its unknowns, and how deep inside of
-    /// it the point is; nothing where a pass does not come to its end.
-    fn linear(&self, region: &Region, point: &[f64], go_on: &GoOn<'_>) -> Option<(f64, Rows)> {
+    /// What is measured in the begin of all records, this share of each, as linear functions of the step from a point of a
+    /// region, in its unknowns, and how deep inside of it the point is; nothing where a pass does not come to its end.
+    pub(crate) fn linear(
+        &self,
+        region: &Region,
+        point: &[f64],
+        share: f64,
+        go_on: &GoOn<'_>,
+    ) -> Option<(f64, Rows)> {
         let part: Vec<Interval> = point
             .iter()
             .map(|x| Interval::point(*x).inflate(TINY))
@@ -369,15 +397,16 @@ impl Problem {
             }
             let starts = self.starts(record).chain(self.fixed_of(record, true));
             let (rows, kept) = region.rows_of(&starts.collect::<Vec<_>>());
+            let until = (course.end() as f64 * share).ceil() as usize;
             let span = Span {
                 from: 0,
-                until: course.end(),
+                until,
                 aim: Aim::Slopes,
                 go_on,
             };
             let set = self.set(record, rows, true);
             let passed = pass(self, course, span, set, BTreeSet::new());
-            if passed.reached < course.end() {
+            if passed.reached < until {
                 return None;
             }
             all.take(&passed.rows, &kept, record);
@@ -388,12 +417,13 @@ impl Problem {
         Some((depth_of(&all), all))
     }
 
-    /// Passes through every record, in windows where states are known at begins of these, if only none.
+    /// Passes through every record, maybe in windows where states are known at begins of these, if only none.
     fn passed(
         &self,
         region: Region,
         passes: &mut usize,
         known_of: Option<&[Junctions]>,
+        by_windows: bool,
         go_on: &GoOn<'_>,
     ) -> Result<Seen, (usize, Conflict)> {
         let axes = region.axes();
@@ -445,7 +475,7 @@ impl Problem {
                 record,
                 link: None,
             });
-            if let Some(known) = known.filter(|_| is_short) {
+            if let Some(known) = known.filter(|_| is_short && by_windows) {
                 self.later_windows(&region, known, &mut windows, passes, go_on)?;
             }
             reached.push(windows.last().map_or(until, |last| last.passed.reached));
@@ -566,11 +596,17 @@ fn highest(rows: &Rows, share: f64, trust: f64, direction: &[f64]) -> Vec<f64> {
     vertex.point.iter().map(|x| trust * x).collect()
 }
 
-/// How far inside of all rows, as share of what each allows, the middle of the unknowns is; below zero where outside.
+/// How far inside of all rows, as share of what each allows, the middle of the unknowns is; below zero where outside. A row with
+/// one end allows as much as the unknowns move it.
 fn depth_of(rows: &Rows) -> f64 {
     let depths = (0..rows.len()).map(|row| {
         let outer = rows.outer(row);
-        (-outer.lo()).min(outer.hi()) / outer.width()
+        let size = if outer.is_bounded() {
+            outer.width()
+        } else {
+            rows.slopes(row).iter().map(|g| g.abs()).sum()
+        };
+        (-outer.lo()).min(outer.hi()) / size
     });
     depths.filter(|depth| !depth.is_nan()).fold(1.0, f64::min)
 }

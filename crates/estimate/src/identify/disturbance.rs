@@ -8,7 +8,7 @@ use super::held::is_wide;
 use super::problem::Problem;
 use super::rows::{READ, widened};
 use super::search::Search;
-use super::{Keep, on_threads, searched};
+use super::{Keep, on_threads, prepared};
 use veribound_interval::Interval;
 use veribound_interval::round::{add_up, div_up, mul_up};
 use veribound_model::{Model, Sample};
@@ -139,10 +139,11 @@ impl Trial<'_> {
         let wider: Vec<Vec<Sample>> = wider
             .map(|samples| samples.iter().map(scaled).collect())
             .collect();
-        let problem = Problem::of(self.model, &wider);
-        let mut search = Search::new(&problem, &self.options);
+        let mut problem = Problem::of(self.model, &wider);
         let keep = Keep::new(&|_| (), self.go_on);
-        searched(&mut search, (self.model, &wider), &keep);
+        let (state, left) = prepared(&mut problem, (self.model, &wider), &self.options, &keep);
+        let mut search = Search::with(&problem, &self.options, state);
+        search.begin(left, &keep);
         let ended = search.answer(super::pave::Paved::default());
         self.found.sets += ended.sets;
         self.found.passes += ended.passes;

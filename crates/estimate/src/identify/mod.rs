@@ -2,12 +2,14 @@
 
 mod answer;
 mod balances;
+mod begin;
 pub(crate) mod cell;
 mod disturbance;
 mod eigen;
 mod frame;
 mod gross;
 pub(crate) mod held;
+mod least;
 mod outliers;
 pub(crate) mod pass;
 mod pave;
@@ -25,13 +27,14 @@ pub use answer::{
 };
 pub use disturbance::least_disturbance;
 pub use frame::Frame;
+pub use least::least_error;
 
 use balances::Balances;
 use cell::{Clash, Known};
 use pave::Paved;
 use problem::Problem;
 use region::Region;
-use search::Search;
+use search::{Search, State};
 use std::sync::atomic::{AtomicBool, Ordering};
 use veribound_interval::Interval;
 use veribound_model::{Model, Sample};
@@ -71,20 +74,31 @@ pub fn resume(
     let work = || {
         let mut problem = Problem::of(model, records);
         let keep = Keep::new(checkpoints.save, go_on);
-        let balanced = balanced(&mut problem, (model, records), &keep);
-        let mut search = Search::new(&problem, options);
-        let tiles = match checkpoints.from {
-            Some(saved) => search.read(saved)?,
-            None => None,
-        };
-        if tiles.is_none() {
-            match balanced {
-                _ if checkpoints.from.is_some() => search.run(None, &keep),
-                Ok(Some(box_)) => search.run(Some(Region::of_box(&box_)), &keep),
-                Ok(None) => searched(&mut search, (model, records), &keep),
-                Err(clash) => search.refute(clash),
+        let balanced = if problem.is_driven_freely() {
+            // Equations are integrated in the user's parameters.
+            if !problem.is_upright() {
+                problem = Problem::upright(model, records);
             }
-        }
+            Some(narrowed(&mut problem, (model, records), &keep))
+        } else {
+            None
+        };
+        let (mut search, tiles) = if let Some(saved) = checkpoints.from {
+            let mut search = Search::new(&problem, options);
+            let tiles = search.read(saved)?;
+            if tiles.is_none() {
+                search.run(None, &keep);
+            }
+            (search, tiles)
+        } else {
+            let (state, left) = match balanced {
+                Some(left) => (State::new(&problem), Some(left)),
+                None => prepared(&mut problem, (model, records), options, &keep),
+            };
+            let mut search = Search::with(&problem, options, state);
+            search.begin(left, &keep);
+            (search, None)
+        };
         let tiles = match options.undecided {
             Some(share) if problem.is_upright() => search.pave(&problem, tiles, share, &keep),
             // Tiles are boxes of the user's parameters.
@@ -120,6 +134,11 @@ impl<'a> Keep<'a> {
         Keep { save, go_on, ends }
     }
 
+    /// Whether it was told to end.
+    pub(crate) fn has_ended(&self) -> bool {
+        self.ends.load(Ordering::Relaxed)
+    }
+
     /// Whether to go on; once that is denied, it stays so.
     pub(crate) fn goes_on(&self, progress: &Progress) -> bool {
         if !self.ends.load(Ordering::Relaxed) && !(self.go_on)(progress) {
@@ -129,93 +148,21 @@ impl<'a> Keep<'a> {
     }
 }
 
-/// How often the largest factor tried is taken of the one before.
-const LARGER: f64 = 8.0;
-
-/// Factors that are tried at most: measurement errors that large say nothing.
-const LARGEST: f64 = 1e9;
-
-/// The least factor of all measurement errors with which `model` agrees with all `records`, from both sides. Inputs and
-/// signals are taken as they are.
-///
-/// Guarantee: that of [`LeastError`], also where `go_on` ends it early.
-pub fn least_error(
-    model: &Model,
-    records: &[Vec<Sample>],
-    options: &IdentifyOptions,
-    go_on: &(dyn Fn(&Progress) -> bool + Sync),
-) -> LeastError {
-    let work = || {
-        let mut problem = Problem::of(model, records);
-        let mut found = LeastError {
-            factor: Interval::new(0.0, f64::INFINITY).unwrap_or(Interval::ENTIRE),
-            point: None,
-            sets: 0,
-            passes: 0,
-            interrupted: false,
-        };
-        let mut tried = Interval::new(0.0, 2.0);
-        while let Some(factor) = tried.filter(|factor| factor.hi() < LARGEST) {
-            problem.factor = Some(factor);
-            let mut search = Search::new(&problem, options);
-            let wider: Vec<Vec<Sample>> = records
-                .iter()
-                .map(|samples| {
-                    samples
-                        .iter()
-                        .map(|sample| scaled(sample, factor.hi()))
-                        .collect()
-                })
-                .collect();
-            let keep = Keep::new(&|_| (), go_on);
-            searched(&mut search, (model, &wider), &keep);
-            let (below, least) = search.least();
-            let spent = search.answer(Paved::default());
-            found.sets += spent.sets;
-            found.passes += spent.passes;
-            found.interrupted = spent.interrupted;
-            let above = least.as_ref().map_or(f64::INFINITY, |least| least.0);
-            let known = Interval::new(below.max(found.factor.lo()), above);
-            found.factor = known.unwrap_or(found.factor);
-            found.point = least.map(|least| least.1);
-            if found.point.is_some() || found.interrupted || below < factor.hi() {
-                break;
-            }
-            tried = Interval::new(factor.hi(), factor.hi() * LARGER);
-        }
-        found
-    };
-    on_threads(options.threads, work)
-}
-
-/// A sample with measurement errors that many times as large, about: it is not narrower than what rows are made from.
-fn scaled(sample: &Sample, times: f64) -> Sample {
-    let mut sample = sample.clone();
-    for told in sample.outputs.iter_mut().flatten() {
-        *told = rows::widened(*told, times);
-    }
-    sample
-}
-
-/// So often the observer goes through the records, with what balances left of the prior.
+/// So often the observer goes through the records, with what balances left of the prior, where inputs may have any course
 const LOOKS: usize = 4;
+
+/// and where they are known.
+const LOOKS_KNOWN: usize = 12;
 
 /// A look that leaves more than this share of every parameter was the last one.
 const NARROWED: f64 = 0.9;
 
-/// Where inputs may have any course, the observer and balances narrow the prior: it is told what they leave of all quantities.
-fn balanced(
+/// The observer and balances narrow the prior in turns: it is told what they leave of all quantities.
+fn narrowed(
     problem: &mut Problem,
     (model, records): (&Model, &[Vec<Sample>]),
     keep: &Keep<'_>,
-) -> Result<Option<Vec<Interval>>, Clash> {
-    if !problem.is_driven_freely() {
-        return Ok(None);
-    }
-    // Equations are integrated in the user's parameters.
-    if !problem.is_upright() {
-        *problem = Problem::upright(model, records);
-    }
+) -> Result<Vec<Interval>, Clash> {
     let progress = Progress {
         sets: 0,
         waiting: 0,
@@ -223,15 +170,39 @@ fn balanced(
         tightness: f64::INFINITY,
     };
     let alive = || keep.goes_on(&progress);
-    let mut box_ = problem.believed();
-    for _ in 0..LOOKS {
+    let own = if problem.is_upright() {
+        model.clone()
+    } else {
+        model.with_ratios().0
+    };
+    let all = problem.told_quantities();
+    let mut told = problem.told_before();
+    let mut box_ = problem.around(&told);
+    let looks = if problem.is_driven_freely() {
+        LOOKS
+    } else {
+        LOOKS_KNOWN
+    };
+    for _ in 0..looks {
         let before = box_.clone();
-        let seen = gross::narrow(problem, model, records, &mut box_, &alive)?;
-        problem.balances = Some(Balances::of(model, problem, &seen, &box_, &alive));
-        let cell = problem.refine(Region::of_box(&box_), Known::default(), false, &alive)?;
-        for (quantity, x) in box_.iter_mut().enumerate() {
-            *x = x.intersect(cell.outer(quantity));
+        let seen = gross::narrow(problem, model, records, &mut told, &alive)?;
+        let cut = |box_: &mut [Interval], by: &[Interval]| {
+            let pairs = box_.iter_mut().zip(by);
+            pairs.for_each(|(x, by)| *x = x.intersect(*by));
+        };
+        cut(&mut box_, &problem.around(&told));
+        if !problem.is_driven_freely() && problem.balances.is_none() {
+            // The observer may be enough.
+            let cell = problem.refine_at_once(Region::of_box(&box_), &alive)?;
+            if problem.ends(&cell.reached) {
+                return Ok(box_);
+            }
         }
+        problem.balances = Some(Balances::of(&own, problem, &seen, &box_, &alive));
+        let cell = problem.refine(Region::of_box(&box_), Known::default(), false, &alive)?;
+        let left: Vec<Interval> = all.iter().map(|own| cell.bounds(*own)).collect();
+        cut(&mut told, &left);
+        cut(&mut box_, &problem.around(&told));
         let params = |list: &[Interval]| list.get(problem.params()).unwrap_or_default().to_vec();
         let pairs = params(&before).into_iter().zip(params(&box_));
         let mut shares = pairs.map(|(before, now)| {
@@ -242,22 +213,26 @@ fn balanced(
             break;
         }
     }
-    Ok(Some(box_))
+    Ok(box_)
 }
 
-/// Divides the prior, after the observer where it is too wide for forms.
-fn searched(search: &mut Search<'_>, (model, records): (&Model, &[Vec<Sample>]), keep: &Keep<'_>) {
-    let problem = search.problem();
-    if search.reaches(keep) {
-        search.run(None, keep);
-        return;
+/// What is known before the prior is divided, and what the observer and balances leave of it where it is too wide for forms.
+fn prepared(
+    problem: &mut Problem,
+    (model, records): (&Model, &[Vec<Sample>]),
+    options: &IdentifyOptions,
+    keep: &Keep<'_>,
+) -> (State, Option<Result<Vec<Interval>, Clash>>) {
+    let mut search = Search::new(problem, options);
+    let is_whole = search.reaches(keep);
+    let state = search.into_state();
+    if is_whole {
+        return (state, None);
     }
-    let mut told = problem.told_before();
-    let alive = || keep.goes_on(&search.progress());
-    match gross::narrow(problem, model, records, &mut told, &alive) {
-        Ok(_) => search.run(Some(Region::of_box(&problem.around(&told))), keep),
-        Err(clash) => search.refute(clash),
-    }
+    let left = narrowed(problem, (model, records), keep);
+    // Windows tell more where inputs are known.
+    problem.balances = None;
+    (state, Some(left))
 }
 
 /// Does the work with so many threads.

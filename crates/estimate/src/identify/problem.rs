@@ -108,6 +108,8 @@ pub(crate) struct Course {
     pub(crate) params: usize,
     /// For every output, how many samples before one tell it.
     pub(crate) numbers: Vec<Vec<usize>>,
+    /// For every parameter the first sample at which it may be reset, or the number of samples.
+    first_resets: Vec<usize>,
 }
 
 impl Course {
@@ -128,9 +130,8 @@ impl Course {
 
     /// The first sample at which a parameter may be reset, or the number of samples.
     pub(crate) fn first_reset(&self, param: usize) -> usize {
-        let is_reset = |instant: &Instant| instant.resets.contains(&param);
-        let first = self.instants.iter().position(is_reset);
-        first.unwrap_or(self.instants.len())
+        let first = self.first_resets.get(param);
+        first.copied().unwrap_or(self.instants.len())
     }
 
     /// The value of a parameter from this sample to the next.
@@ -502,7 +503,13 @@ impl Problem {
             });
             stretches.collect()
         };
+        let first_reset = |param: usize| {
+            let is_reset = |instant: &Instant| instant.resets.contains(&param);
+            let first = instants.iter().position(is_reset);
+            first.unwrap_or(instants.len())
+        };
         let mut course = Course {
+            first_resets: (0..model.params.len()).map(first_reset).collect(),
             later: Course::lasting(&instants, &self.prior),
             firm: 0,
             params: model.params.len(),

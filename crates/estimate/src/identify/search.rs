@@ -51,6 +51,11 @@ const PATIENCE: (usize, usize) = (10, 30);
 /// Bounds of which no point is known miss so many times as much as others.
 const UNKNOWN: f64 = 1e9;
 
+/// Where so many sets in a row do not come to the ends of records, and bounds keep this share of their widths all the while, it is over: sets
+/// would have to be much smaller.
+const HOPELESS: usize = 12;
+const SAME: f64 = 0.95;
+
 /// So many tiles of a paving may be moved through the records for every set.
 const TILES_PER_SET: usize = 20;
 
@@ -59,6 +64,10 @@ const REACH: f64 = 0.5;
 
 /// and around the end of a climb,
 const CLOSE: f64 = 0.02;
+
+/// one that proves nothing where sets come nowhere is tried so often in all, each time with this share of it,
+const SMALLER: i32 = 4;
+const SMALL: f64 = 0.1;
 
 /// the next one where a probe was of little use, as share of that,
 const NEARER: f64 = 0.4;
@@ -108,7 +117,11 @@ impl Best {
 enum Job {
     /// A region, with the states and the bounds of quantities that are known of its solutions,
     Divide(Region, Vec<Junctions>, Vec<Interval>),
-    /// Around the best point of this quantity and side, from which so much is missing to the bound,
+    /// the same, if one window comes to the end of each record.
+    Whole(Region, Vec<Interval>),
+    /// About where a course agrees that is fitted from the middle of a region,
+    Begin(Region),
+    /// around the best point of this quantity and side, from which so much is missing to the bound,
     Climb(usize, usize, f64),
     /// or in the middle of a cell, where no point is known, with this reach.
     Middle(Box<Cell>, f64),
@@ -116,7 +129,7 @@ enum Job {
 
 /// Everything that is known, but of which quantities.
 #[derive(Serialize, Deserialize)]
-struct State {
+pub(crate) struct State {
     leaves: Vec<Leaf>,
     /// Per quantity the least upper and the largest lower bound of a proved point's value; the points themselves,
     /// as boxes of all quantities.
@@ -133,6 +146,30 @@ struct State {
     passes: usize,
     /// What was missing after so many sets.
     judged: (usize, f64),
+    /// So many sets in a row did not come to the ends of records, since bounds had these widths.
+    idle: usize,
+    idle_since: f64,
+}
+
+impl State {
+    /// Nothing is known.
+    pub(crate) fn new(problem: &Problem) -> State {
+        State {
+            leaves: Vec::new(),
+            inner: vec![(f64::INFINITY, f64::NEG_INFINITY); problem.told_before().len()],
+            points: Vec::new(),
+            best: vec![[None, None]; Search::wanted(problem).len()],
+            tries: 0,
+            tries_since: 0,
+            tried: None,
+            clashes: Vec::new(),
+            sets: 0,
+            passes: 0,
+            judged: (0, f64::INFINITY),
+            idle: 0,
+            idle_since: f64::INFINITY,
+        }
+    }
 }
 
 /// A search for bounds.
@@ -153,43 +190,42 @@ pub(crate) struct Search<'a> {
 enum Outcome {
     Left(Box<Leaf>),
     Gone(Clash),
-    /// Points that a probe proved, after so many passes.
-    Proved(Option<Box<Cell>>, Vec<Vec<f64>>),
+    /// Points that a probe proved, so far around another one, as share of a region.
+    Proved(Option<Box<Cell>>, Vec<Vec<f64>>, f64),
 }
 
 impl<'a> Search<'a> {
     pub(crate) fn new(problem: &'a Problem, options: &'a IdentifyOptions) -> Search<'a> {
-        let believed = problem.told_before();
-        let wanted = match problem.factor_position() {
+        Search::with(problem, options, State::new(problem))
+    }
+
+    /// What of everything that is told bounds are wanted of.
+    fn wanted(problem: &Problem) -> Vec<usize> {
+        match problem.factor_position() {
             Some(factor) => vec![factor],
             None => problem.lasting(),
-        };
-        let state = State {
-            leaves: Vec::new(),
-            inner: vec![(f64::INFINITY, f64::NEG_INFINITY); believed.len()],
-            points: Vec::new(),
-            best: vec![[None, None]; wanted.len()],
-            tries: 0,
-            tries_since: 0,
-            tried: None,
-            clashes: Vec::new(),
-            sets: 0,
-            passes: 0,
-            judged: (0, f64::INFINITY),
-        };
+        }
+    }
+
+    /// Goes on with what another search of the same problem found.
+    pub(crate) fn with(
+        problem: &'a Problem,
+        options: &'a IdentifyOptions,
+        state: State,
+    ) -> Search<'a> {
         Search {
             problem,
             options,
             told: problem.told_quantities(),
-            wanted,
-            believed,
+            wanted: Search::wanted(problem),
+            believed: problem.told_before(),
             state,
             interrupted: false,
         }
     }
 
-    pub(crate) fn problem(&self) -> &'a Problem {
-        self.problem
+    pub(crate) fn into_state(self) -> State {
+        self.state
     }
 
     /// Bounds of an error are wanted from below alone: any larger one is met, too.
@@ -200,14 +236,26 @@ impl<'a> Search<'a> {
     /// Looks at the whole box; it is kept, and all there is, if it is excluded or comes to the end of every record.
     pub(crate) fn reaches(&mut self, keep: &Keep<'_>) -> bool {
         let region = Region::of_box(&self.problem.around(&self.believed));
-        let job = Job::Divide(region, Vec::new(), self.believed.clone());
-        let outcome = self.look_at(&job, &|| keep.goes_on(&self.progress()));
+        let believed = self.believed.clone();
+        if self.keeps(&Job::Whole(region.clone(), believed.clone()), keep) {
+            return true;
+        }
+        // What comes now may take long, and tell nothing where samples are coarse.
+        let begin = Job::Begin(region.clone());
+        let begun = self.look_at(&begin, &|| keep.goes_on(&self.progress()));
+        self.take(&begin, begun);
+        self.keeps(&Job::Divide(region, Vec::new(), believed), keep)
+    }
+
+    /// Looks at all there is, as [`Search::reaches`].
+    fn keeps(&mut self, job: &Job, keep: &Keep<'_>) -> bool {
+        let outcome = self.look_at(job, &|| keep.goes_on(&self.progress()));
         let is_kept = match &outcome {
             Outcome::Left(leaf) => self.has_ended(&leaf.cell),
             _ => true,
         };
         if is_kept {
-            self.take(&job, outcome);
+            self.take(job, outcome);
         }
         is_kept
     }
@@ -216,49 +264,67 @@ impl<'a> Search<'a> {
         self.problem.ends(&cell.reached)
     }
 
-    /// Nothing agrees with the records.
-    pub(crate) fn refute(&mut self, clash: Clash) {
-        self.state.clashes.push(clash);
+    /// Begins with what is left of all quantities, if anything is, or goes on with what is known.
+    pub(crate) fn begin(&mut self, left: Option<Result<Vec<Interval>, Clash>>, keep: &Keep<'_>) {
+        match left {
+            Some(Ok(box_)) => self.run(Some(Region::of_box(&box_)), keep),
+            Some(Err(clash)) => self.state.clashes.push(clash),
+            None => self.run(None, keep),
+        }
     }
 
     fn look_at(&self, job: &Job, go_on: &GoOn<'_>) -> Outcome {
         let wanted: Vec<Told> = self.wanted.iter().map(|at| self.told[*at]).collect();
+        let mut looked = 1.0;
         let probed = match job {
             Job::Divide(region, known, within) => {
-                let problem = self.problem;
                 let known = Known {
                     states: known.clone(),
                     quantities: within[..region.centre.len()].to_vec(),
                 };
-                return match problem.refine(region.clone(), known, true, go_on) {
-                    Ok(cell) => {
-                        // Regions may reach out of what they are parts of a little, and more where it ends early.
-                        let pairs = self.told.iter().zip(within);
-                        let outer = pairs.map(|(told, x)| cell.bounds(*told).intersect(*x));
-                        Outcome::Left(Box::new(Leaf {
-                            outer: outer.collect(),
-                            points: cell.points(&wanted),
-                            cell,
-                            is_atom: false,
-                        }))
-                    }
-                    Err(clash) => Outcome::Gone(clash),
-                };
+                let refined = self.problem.refine(region.clone(), known, true, go_on);
+                return self.left(refined, within);
+            }
+            Job::Whole(region, within) => {
+                let refined = self.problem.refine_at_once(region.clone(), go_on);
+                return self.left(refined, within);
+            }
+            Job::Begin(region) => {
+                let found = self.problem.begin(region, &wanted, go_on);
+                return found.map_or(
+                    Outcome::Proved(None, Vec::new(), 1.0),
+                    |(cell, points, reach)| Outcome::Proved(Some(Box::new(cell)), points, reach),
+                );
             }
             Job::Climb(param, side, missing) => {
                 let best = self.state.best[*param][*side].as_ref();
+                let tries = if self.comes_nowhere(self.wanted[*param], *side == 1) {
+                    SMALLER
+                } else {
+                    1
+                };
                 best.and_then(|best| {
                     let problem = self.problem;
                     let goal = (wanted[*param], *side == 1);
                     let least = WORTH * missing;
                     let end = problem.climb(&best.region, &best.point, goal, least, go_on)?;
-                    let reaches = vec![best.reach; end.len()];
-                    problem.probe(&best.region, &end, &reaches, go_on)
+                    let mut probed = None;
+                    for smaller in 0..tries {
+                        looked = best.reach * SMALL.powi(smaller);
+                        let reaches = vec![looked; end.len()];
+                        probed = problem.probe(&best.region, &end, &reaches, go_on);
+                        let proves = |cell: &Cell| !cell.points(&wanted).is_empty();
+                        if probed.as_ref().is_some_and(proves) {
+                            break;
+                        }
+                    }
+                    probed
                 })
             }
             Job::Middle(cell, reach) => {
+                looked = *reach;
                 let point = cell.deepest().0;
-                match self.problem.fit(&cell.region, &point, go_on) {
+                match self.problem.fit(&cell.region, &point, 1.0, go_on) {
                     // It agrees; the question is how much around it is proved.
                     Some(fitted) => (0..TRIES).find_map(|nearer| {
                         let reaches = cell.reaches(reach * NEARER.powi(nearer));
@@ -275,7 +341,26 @@ impl<'a> Search<'a> {
         let points = probed
             .as_ref()
             .map_or(Vec::new(), |cell| cell.points(&wanted));
-        Outcome::Proved(probed.map(Box::new), points)
+        Outcome::Proved(probed.map(Box::new), points, looked)
+    }
+
+    /// What a region was narrowed to, with what is proved of it.
+    fn left(&self, refined: Result<Cell, Clash>, within: &[Interval]) -> Outcome {
+        match refined {
+            Ok(cell) => {
+                let wanted: Vec<Told> = self.wanted.iter().map(|at| self.told[*at]).collect();
+                // Regions may reach out of what they are parts of a little, and more where it ends early.
+                let pairs = self.told.iter().zip(within);
+                let outer = pairs.map(|(told, x)| cell.bounds(*told).intersect(*x));
+                Outcome::Left(Box::new(Leaf {
+                    outer: outer.collect(),
+                    points: cell.points(&wanted),
+                    cell,
+                    is_atom: false,
+                }))
+            }
+            Err(clash) => Outcome::Gone(clash),
+        }
     }
 
     fn take(&mut self, job: &Job, outcome: Outcome) {
@@ -288,20 +373,20 @@ impl<'a> Search<'a> {
             Outcome::Left(leaf) => {
                 self.state.sets += 1;
                 self.state.passes += leaf.cell.passes;
+                self.state.idle = if self.has_ended(&leaf.cell) {
+                    0
+                } else {
+                    self.state.idle + 1
+                };
                 for point in &leaf.points {
                     self.learn(&leaf.cell, point, 1.0);
                 }
                 self.state.leaves.push(*leaf);
             }
-            Outcome::Proved(cell, points) => {
-                let (before, looked) = match job {
-                    Job::Climb(param, side, _) => {
-                        let before = self.state.best[*param][*side].clone();
-                        let looked = before.as_ref().map_or(1.0, |best| best.reach);
-                        (before, looked)
-                    }
-                    Job::Middle(_, reach) => (None, *reach),
-                    Job::Divide(..) => (None, 1.0),
+            Outcome::Proved(cell, points, looked) => {
+                let before = match job {
+                    Job::Climb(param, side, _) => self.state.best[*param][*side].clone(),
+                    _ => None,
                 };
                 if let Job::Middle(from, reach) = job {
                     self.state.tries += 1;
@@ -436,6 +521,15 @@ impl<'a> Search<'a> {
         gaps
     }
 
+    /// The widths of bounds, as shares of what was believed.
+    fn widths(&self) -> f64 {
+        let share = |quantity: usize| {
+            let whole = self.believed[quantity].width().max(1e-300);
+            self.outer(quantity).width() / whole
+        };
+        self.wanted.iter().copied().map(share).sum()
+    }
+
     /// How far bounds are from what is wanted, on a logarithmic scale: the sum of gaps, or the widths where nothing is known.
     fn missing(&self) -> f64 {
         let share = |(gap, quantity, _): (f64, usize, bool)| {
@@ -515,6 +609,13 @@ impl<'a> Search<'a> {
                 self.interrupted = true;
                 return;
             }
+            let widths = self.widths();
+            if widths < SAME * self.state.idle_since {
+                (self.state.idle, self.state.idle_since) = (0, widths);
+            }
+            if self.state.idle >= HOPELESS {
+                return;
+            }
             let (since, before) = self.state.judged;
             if self.state.sets >= since + patience {
                 let missing = self.missing();
@@ -570,13 +671,18 @@ impl<'a> Search<'a> {
             let side = usize::from(upper);
             let outer = self.outer(quantity);
             let end = if upper { outer.hi() } else { outer.lo() };
+            let nowhere = self.comes_nowhere(quantity, upper);
+            let known = self.inner(quantity);
             let Some(best) = self.state.best[param][side].as_mut() else {
                 continue;
             };
-            let missing = (end - best.value).abs();
+            let mut missing = (end - best.value).abs();
             if missing < LESS * best.missing {
                 // Against bounds that were far too wide everything was of little use.
                 (best.idle, best.reach) = (0, CLOSE);
+            }
+            if nowhere {
+                missing = missing.min(known.map_or(missing, |x| x.width()));
             }
             if best.reach > NEAREST && best.idle < IDLE {
                 jobs.push(Job::Climb(param, side, missing));
@@ -599,6 +705,13 @@ impl<'a> Search<'a> {
             }
         }
         jobs
+    }
+
+    /// Whether what decides a bound does not come to the ends of records, so that it says nothing of how far points may be.
+    fn comes_nowhere(&self, quantity: usize, upper: bool) -> bool {
+        let leaf = self.extreme(quantity, upper);
+        let leaf = leaf.map(|leaf| &self.state.leaves[leaf].cell);
+        leaf.is_some_and(|cell| !self.has_ended(cell)) && !self.wants_least()
     }
 
     /// The leaf that decides a bound.

@@ -25,14 +25,17 @@ use veribound_interval::Interval;
 /// Later windows are left for the next round when one leaves less than this share of an axis.
 const ENOUGH: f64 = 0.6;
 
+/// Where so many windows in a row tell nothing of what they have in common, later ones are left until more is known.
+const IDLE: usize = 48;
+
+/// What leaves this share of every axis tells nothing of them.
+const WHOLE: f64 = 0.999;
+
 /// States are known about as well where they are this much wider.
 const AS_WELL: f64 = 2.0;
 
 /// Where one window goes over to the next, what is no function of its unknowns should be less than this share.
 const LOST: f64 = 0.5;
-
-/// A set that needs more windows for a record is too wide for any of them to tell much.
-const MOST: usize = 128;
 
 /// So many unknowns of windows are looked at together for the states where they begin: parameters, which all others told
 /// of, bound these beside their neighbours.
@@ -128,8 +131,8 @@ impl Problem {
             anchored(&window.passed, &rows, &part, from, known)
         });
         let mut link = first;
-        let most = windows.len() + MOST;
-        while let Some(next) = link.filter(|_| windows.len() < most && go_on()) {
+        let mut idle = 0;
+        while let Some(next) = link.filter(|_| go_on()) {
             from = next.sample;
             let fresh = next.starts.axes();
             let zeros = |count: usize| vec![0.0; count];
@@ -167,8 +170,9 @@ impl Problem {
                 record,
                 link: Some(next),
             });
+            idle = if shrunk > WHOLE { idle + 1 } else { 0 };
             // A narrower set goes farther.
-            if shrunk < ENOUGH {
+            if shrunk < ENOUGH || idle >= IDLE {
                 break;
             }
         }

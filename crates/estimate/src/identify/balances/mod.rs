@@ -48,6 +48,11 @@ impl std::fmt::Debug for Balances {
 }
 
 impl Balances {
+    /// Whether a model has any.
+    pub(crate) fn are_there(model: &Model) -> bool {
+        !Balance::of(model).is_empty()
+    }
+
     /// The balances of a model along records, of which `seen` tells the states at the first samples of each.
     ///
     /// The states must be those of all solutions with quantities in `box_` that agree with the records.
