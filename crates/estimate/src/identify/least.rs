@@ -48,7 +48,8 @@ pub fn least_error(
         while let Some(factor) = tried.filter(|factor| factor.hi() < LARGEST) {
             problem.factor = Some(factor);
             let mut search = Search::new(&problem, options);
-            let is_whole = search.reaches(&keep);
+            let told = problem.told_before();
+            let is_whole = search.reaches(&told, &keep) || search.reaches_by_windows(&told, &keep);
             let above = search.least().1.map_or(factor.hi(), |least| least.0);
             let state = search.into_state();
             let left = if is_whole {
@@ -60,7 +61,7 @@ pub fn least_error(
                 Some(Ok(problem.believed()))
             } else {
                 let wider = scaled(records, factor.hi());
-                Some(narrowed(&mut problem, (model, &wider), &keep))
+                Some(narrowed(&mut problem, (model, &wider), told, &keep))
             };
             let mut search = Search::with(&problem, options, state);
             search.begin(left, &keep);
@@ -114,7 +115,8 @@ fn refuted(
         }
         let wider = scaled(records, factor);
         let mut problem = Problem::of(model, &wider);
-        let left = narrowed(&mut problem, (model, &wider), keep);
+        let told = problem.told_before();
+        let left = narrowed(&mut problem, (model, &wider), told, keep);
         match left {
             Err(_) => below = factor,
             Ok(_) => open = factor,

@@ -79,7 +79,10 @@ pub fn resume(
             if !problem.is_upright() {
                 problem = Problem::upright(model, records);
             }
-            Some(narrowed(&mut problem, (model, records), &keep))
+            {
+                let told = problem.told_before();
+                Some(narrowed(&mut problem, (model, records), told, &keep))
+            }
         } else {
             None
         };
@@ -157,10 +160,11 @@ const LOOKS_KNOWN: usize = 12;
 /// A look that leaves more than this share of every parameter was the last one.
 const NARROWED: f64 = 0.9;
 
-/// The observer and balances narrow the prior in turns: it is told what they leave of all quantities.
+/// The observer and balances narrow what is told, in turns: what they leave of all quantities.
 fn narrowed(
     problem: &mut Problem,
     (model, records): (&Model, &[Vec<Sample>]),
+    mut told: Vec<Interval>,
     keep: &Keep<'_>,
 ) -> Result<Vec<Interval>, Clash> {
     let progress = Progress {
@@ -176,7 +180,6 @@ fn narrowed(
         model.with_ratios().0
     };
     let all = problem.told_quantities();
-    let mut told = problem.told_before();
     let mut box_ = problem.around(&told);
     let looks = if problem.is_driven_freely() {
         LOOKS
@@ -191,13 +194,6 @@ fn narrowed(
             pairs.for_each(|(x, by)| *x = x.intersect(*by));
         };
         cut(&mut box_, &problem.around(&told));
-        if !problem.is_driven_freely() && problem.balances.is_none() {
-            // The observer may be enough.
-            let cell = problem.refine_at_once(Region::of_box(&box_), &alive)?;
-            if problem.ends(&cell.reached) {
-                return Ok(box_);
-            }
-        }
         problem.balances = Some(Balances::of(&own, problem, &seen, &box_, &alive));
         let cell = problem.refine(Region::of_box(&box_), Known::default(), false, &alive)?;
         let left: Vec<Interval> = all.iter().map(|own| cell.bounds(*own)).collect();
@@ -224,12 +220,23 @@ fn prepared(
     keep: &Keep<'_>,
 ) -> (State, Option<Result<Vec<Interval>, Clash>>) {
     let mut search = Search::new(problem, options);
-    let is_whole = search.reaches(keep);
+    let mut told = problem.told_before();
+    if search.reaches(&told, keep) {
+        return (search.into_state(), None);
+    }
+    let seen = {
+        let alive = || keep.goes_on(&search.progress());
+        gross::narrow(problem, model, records, &mut told, &alive)
+    };
+    if let Err(clash) = seen {
+        return (search.into_state(), Some(Err(clash)));
+    }
+    let is_whole = search.reaches(&told, keep) || search.reaches_by_windows(&told, keep);
     let state = search.into_state();
     if is_whole {
         return (state, None);
     }
-    let left = narrowed(problem, (model, records), keep);
+    let left = narrowed(problem, (model, records), told, keep);
     // Windows tell more where inputs are known.
     problem.balances = None;
     (state, Some(left))

@@ -233,21 +233,24 @@ impl<'a> Search<'a> {
         self.problem.factor.is_some()
     }
 
-    /// Looks at the whole box; it is kept, and all there is, if it is excluded or comes to the end of every record.
-    pub(crate) fn reaches(&mut self, keep: &Keep<'_>) -> bool {
-        let region = Region::of_box(&self.problem.around(&self.believed));
-        let believed = self.believed.clone();
-        if self.keeps(&Job::Whole(region.clone(), believed.clone()), keep) {
-            return true;
-        }
-        // What comes now may take long, and tell nothing where samples are coarse.
+    /// Looks at all that has these bounds of what is told; it is kept, and all there is, if it is excluded or one window comes to the
+    /// end of every record.
+    pub(crate) fn reaches(&mut self, told: &[Interval], keep: &Keep<'_>) -> bool {
+        let region = Region::of_box(&self.problem.around(told));
+        self.keeps(&Job::Whole(region, told.to_vec()), keep)
+    }
+
+    /// As [`Search::reaches`] by as many windows as it takes, after a point was looked for.
+    pub(crate) fn reaches_by_windows(&mut self, told: &[Interval], keep: &Keep<'_>) -> bool {
+        let region = Region::of_box(&self.problem.around(told));
+        // Windows may take long, and tell nothing where samples are coarse.
         let begin = Job::Begin(region.clone());
         let begun = self.look_at(&begin, &|| keep.goes_on(&self.progress()));
         self.take(&begin, begun);
-        self.keeps(&Job::Divide(region, Vec::new(), believed), keep)
+        self.keeps(&Job::Divide(region, Vec::new(), told.to_vec()), keep)
     }
 
-    /// Looks at all there is, as [`Search::reaches`].
+    /// Looks at all there is.
     fn keeps(&mut self, job: &Job, keep: &Keep<'_>) -> bool {
         let outcome = self.look_at(job, &|| keep.goes_on(&self.progress()));
         let is_kept = match &outcome {
