@@ -73,7 +73,7 @@ const SMALL: f64 = 0.1;
 const NEARER: f64 = 0.4;
 
 /// A climb goes on while a step may bring this share of what is missing,
-const WORTH: f64 = 0.01;
+const WORTH: f64 = 0.05;
 
 /// and where it ends.
 const NEAREST: f64 = 0.002;
