@@ -15,7 +15,6 @@ use std::task::{Context, Poll, Waker};
 /// that is counted, so the next share is smaller by it.
 ///
 /// ```
-/// use std::pin::pin;
 /// use std::task::Poll;
 /// use veribound_flow::form::{Allowance, Flow, FormOptions, Meeting, Stretch, poll};
 /// use veribound_interval::Interval;
@@ -28,11 +27,12 @@ use std::task::{Context, Poll, Waker};
 /// let allowance = Allowance::default();
 /// let (mut met, mut pauses) = (0, 0);
 /// let mut meet = |_: Meeting<'_>| met += 1;
-/// let mut journey = pin!(flow.travel(form, &stretches, &mut meet, &|_| true, &allowance));
+/// let mut journey = Box::pin(flow.travel(form, &stretches, &mut meet, &|_| true, &allowance));
 /// while let Poll::Pending = poll(journey.as_mut()) {
 ///     pauses += 1;
 ///     allowance.give(1000);
 /// }
+/// drop(journey);
 /// assert!(met == 6 && pauses > 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
