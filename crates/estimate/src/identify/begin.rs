@@ -10,14 +10,12 @@
     reason = "PROOF: one entry per axis of the region"
 )]
 
-use super::cell::Cell;
+use super::cell::{Cell, least_within};
 use super::pass::GoOn;
 use super::problem::{Course, Problem};
 use super::region::Region;
 use super::rows::Rows;
-use super::simplex::{Program, Side};
 use super::told::Told;
-use veribound_interval::Interval;
 
 /// So many points are begun from.
 const STARTS: usize = 4;
@@ -141,16 +139,9 @@ impl Problem {
 fn lowest(rows: &Rows, axis: usize, trust: f64) -> Vec<f64> {
     let reach = |own: usize| if own == axis { WHOLE } else { trust };
     let reach: Vec<f64> = (0..rows.unknowns()).map(reach).collect();
-    // A program's tolerances are those of the unit box.
-    let mut scaled = rows.clone();
-    let scales = reach.iter().map(|x| (Interval::ZERO, Interval::point(*x)));
-    scaled.rescale(&scales.collect::<Vec<_>>());
-    let unit = vec![Interval::symmetric(1.0); reach.len()];
     let mut direction = vec![0.0; reach.len()];
     direction[axis] = 1.0;
-    let vertex = Program::new(&scaled, &unit, Side::Outer).minimize(&direction);
-    let pairs = vertex.point.iter().zip(&reach);
-    pairs.map(|(x, reach)| reach * x).collect()
+    least_within(rows.clone(), &reach, &direction)
 }
 
 /// How far an unknown must grow until all rows hold; nothing where it does not help.

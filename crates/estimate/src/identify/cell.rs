@@ -512,9 +512,7 @@ impl Problem {
             deepest: deep,
         } = joined(&seen.windows, region.axes(), together)?;
         self.believe(region, false, &mut rows);
-        let unit = vec![Interval::symmetric(1.0); region.axes()];
-        for (quantity, known) in within.iter().enumerate() {
-            let whole = region.range(quantity, &unit);
+        for ((quantity, known), whole) in within.iter().enumerate().zip(region.hull()) {
             if whole.intersect(*known).width() < TOLD * whole.width() {
                 rows.push_outer(&region.axes[quantity], *known - region.offset(quantity));
             }
@@ -589,11 +587,18 @@ fn highest(rows: &Rows, share: f64, trust: f64, direction: &[f64]) -> Vec<f64> {
         let inside = inside.unwrap_or(outer);
         inner.push(rows.slopes(row), Interval::ZERO, inside, 0, 0);
     }
+    least_within(inner, &vec![trust; rows.unknowns()], direction)
+}
+
+/// About the unknowns of all rows, none farther than it may `reach`, that are least in a direction of shares of their reaches.
+pub(crate) fn least_within(mut rows: Rows, reach: &[f64], direction: &[f64]) -> Vec<f64> {
     // A program's tolerances are those of the unit box.
-    let unit = vec![Interval::symmetric(1.0); rows.unknowns()];
-    inner.rescale(&vec![(Interval::ZERO, Interval::point(trust)); unit.len()]);
-    let vertex = Program::new(&inner, &unit, Side::Outer).minimize(direction);
-    vertex.point.iter().map(|x| trust * x).collect()
+    let scales = reach.iter().map(|x| (Interval::ZERO, Interval::point(*x)));
+    rows.rescale(&scales.collect::<Vec<_>>());
+    let unit = vec![Interval::symmetric(1.0); reach.len()];
+    let vertex = Program::new(&rows, &unit, Side::Outer).minimize(direction);
+    let pairs = vertex.point.iter().zip(reach);
+    pairs.map(|(x, reach)| reach * x).collect()
 }
 
 /// How far inside of all rows, as share of what each allows, the middle of the unknowns is; below zero where outside. A row with

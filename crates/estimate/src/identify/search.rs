@@ -278,6 +278,11 @@ impl<'a> Search<'a> {
 
     fn look_at(&self, job: &Job, go_on: &GoOn<'_>) -> Outcome {
         let wanted: Vec<Told> = self.wanted.iter().map(|at| self.told[*at]).collect();
+        let probe = |region: &Region, point: &[f64], reaches: &[f64]| {
+            let cell = self.problem.probe(region, point, reaches, go_on)?;
+            let points = cell.points(&wanted);
+            Some((cell, points))
+        };
         let mut looked = 1.0;
         let probed = match job {
             Job::Divide(region, known, within) => {
@@ -286,11 +291,11 @@ impl<'a> Search<'a> {
                     quantities: within[..region.centre.len()].to_vec(),
                 };
                 let refined = self.problem.refine(region.clone(), known, true, go_on);
-                return self.left(refined, within);
+                return self.left(refined, within, &wanted);
             }
             Job::Whole(region, within) => {
                 let refined = self.problem.refine_at_once(region.clone(), go_on);
-                return self.left(refined, within);
+                return self.left(refined, within, &wanted);
             }
             Job::Begin(region) => {
                 let found = self.problem.begin(region, &wanted, go_on);
@@ -314,10 +319,11 @@ impl<'a> Search<'a> {
                     let mut probed = None;
                     for smaller in 0..tries {
                         looked = best.reach * SMALL.powi(smaller);
-                        let reaches = vec![looked; end.len()];
-                        probed = problem.probe(&best.region, &end, &reaches, go_on);
-                        let proves = |cell: &Cell| !cell.points(&wanted).is_empty();
-                        if probed.as_ref().is_some_and(proves) {
+                        probed = probe(&best.region, &end, &vec![looked; end.len()]);
+                        if probed
+                            .as_ref()
+                            .is_some_and(|(_, points)| !points.is_empty())
+                        {
                             break;
                         }
                     }
@@ -331,33 +337,27 @@ impl<'a> Search<'a> {
                     // It agrees; the question is how much around it is proved.
                     Some(fitted) => (0..TRIES).find_map(|nearer| {
                         let reaches = cell.reaches(reach * NEARER.powi(nearer));
-                        let probed = self.problem.probe(&cell.region, &fitted, &reaches, go_on);
-                        probed.filter(|probed| !probed.points(&wanted).is_empty())
+                        let probed = probe(&cell.region, &fitted, &reaches);
+                        probed.filter(|(_, points)| !points.is_empty())
                     }),
-                    None => {
-                        let reaches = cell.reaches(*reach);
-                        self.problem.probe(&cell.region, &point, &reaches, go_on)
-                    }
+                    None => probe(&cell.region, &point, &cell.reaches(*reach)),
                 }
             }
         };
-        let points = probed
-            .as_ref()
-            .map_or(Vec::new(), |cell| cell.points(&wanted));
-        Outcome::Proved(probed.map(Box::new), points, looked)
+        let (cell, points) = probed.unzip();
+        Outcome::Proved(cell.map(Box::new), points.unwrap_or_default(), looked)
     }
 
-    /// What a region was narrowed to, with what is proved of it.
-    fn left(&self, refined: Result<Cell, Clash>, within: &[Interval]) -> Outcome {
+    /// What a region was narrowed to, with what is proved of it, points where those `wanted` are least and largest among that.
+    fn left(&self, refined: Result<Cell, Clash>, within: &[Interval], wanted: &[Told]) -> Outcome {
         match refined {
             Ok(cell) => {
-                let wanted: Vec<Told> = self.wanted.iter().map(|at| self.told[*at]).collect();
                 // Regions may reach out of what they are parts of a little, and more where it ends early.
                 let pairs = self.told.iter().zip(within);
                 let outer = pairs.map(|(told, x)| cell.bounds(*told).intersect(*x));
                 Outcome::Left(Box::new(Leaf {
                     outer: outer.collect(),
-                    points: cell.points(&wanted),
+                    points: cell.points(wanted),
                     cell,
                     is_atom: false,
                 }))

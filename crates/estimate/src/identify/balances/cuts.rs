@@ -97,10 +97,11 @@ impl Cuts<'_> {
             }
         }
         let is_refuted = !all.is_empty();
+        let every: Vec<usize> = (0..self.region.axes()).collect();
         all.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (_, position, window, rows, bent) in all.into_iter().take(BEST) {
             self.found[position].push(window);
-            append(&mut self.rows, &rows);
+            self.rows.take(&rows, &every, 0);
             self.bents.resize(self.rows.len(), bent);
         }
         is_refuted
@@ -283,13 +284,6 @@ impl Cuts<'_> {
 
     fn value(&self, row: usize, point: &[f64]) -> f64 {
         value(&self.rows, row, point)
-    }
-}
-
-/// Adds rows to others.
-pub(super) fn append(rows: &mut Rows, other: &Rows) {
-    for row in 0..other.len() {
-        rows.push_outer(other.slopes(row), other.outer(row));
     }
 }
 

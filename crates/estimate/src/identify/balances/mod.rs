@@ -18,7 +18,7 @@ use super::pass::GoOn;
 use super::problem::Problem;
 use super::region::Region;
 use super::rows::Rows;
-use cuts::{Cuts, append};
+use cuts::Cuts;
 use track::Track;
 use veribound_flow::System;
 use veribound_flow::balance::Balance;
@@ -94,7 +94,8 @@ impl Balances {
         let mut cuts = Cuts::of(&self.tracks, region.clone());
         cuts.trim();
         cuts.ends(OWN);
-        append(rows, &cuts.rows);
+        let every: Vec<usize> = (0..region.axes()).collect();
+        rows.take(&cuts.rows, &every, 0);
         cuts.bends()
     }
 
