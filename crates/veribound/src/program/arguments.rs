@@ -307,7 +307,7 @@ pub struct Method {
     /// polytope: work that a sample may take, in products of coefficients, a million of which are about a millisecond; what takes
     /// longer is put aside, and goes on with the next sample
     #[arg(long, value_name = "N", default_value_t = ObserverOptions::default().budget,
-          value_parser = count(1))]
+          value_parser = count_up_to(1, MOST_WORK))]
     pub budget: usize,
 }
 
@@ -413,6 +413,9 @@ pub fn refuse_formats(formats: &[Format]) -> Result<(), Diagnostic> {
     }
     Ok(())
 }
+
+/// A budget of so many products is none: a quarter of an hour for one sample.
+const MOST_WORK: u64 = 1_000_000_000_000;
 
 /// Decimal places that a float can hold of a number of about 1.
 pub const MOST_DECIMALS: usize = 15;
@@ -635,6 +638,25 @@ mod tests {
     #[test]
     fn the_flags_fit_together() {
         Arguments::command().debug_assert();
+    }
+
+    /// The default is no limit: who has time may give a sample more.
+    #[test]
+    fn a_budget_may_be_larger_than_the_default() {
+        let more = |budget: &str| {
+            let words = [
+                "veribound",
+                "observe",
+                "m.toml",
+                "r.csv",
+                "-o",
+                "out",
+                "--budget",
+                budget,
+            ];
+            Arguments::try_parse_from(words).is_ok()
+        };
+        assert!(more("1000000000") && more("1") && !more("0") && !more("-1"));
     }
 
     #[test]
