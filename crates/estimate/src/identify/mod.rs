@@ -81,7 +81,12 @@ pub fn resume(
             }
             {
                 let told = problem.told_before();
-                Some(narrowed(&mut problem, (model, records), told, &keep))
+                Some(narrowed(
+                    &mut problem,
+                    (model, records),
+                    (told, None),
+                    &keep,
+                ))
             }
         } else {
             None
@@ -160,11 +165,15 @@ const LOOKS_KNOWN: usize = 12;
 /// A look that leaves more than this share of every parameter was the last one.
 const NARROWED: f64 = 0.9;
 
-/// The observer and balances narrow what is told, in turns: what they leave of all quantities.
+/// States at the samples of every record.
+type States = Vec<Vec<Vec<Interval>>>;
+
+/// The observer and balances narrow what is told, in turns: what they leave of all quantities. What an observer has `seen` of all solutions
+/// with what is told spares the first one.
 fn narrowed(
     problem: &mut Problem,
     (model, records): (&Model, &[Vec<Sample>]),
-    mut told: Vec<Interval>,
+    (mut told, mut seen): (Vec<Interval>, Option<States>),
     keep: &Keep<'_>,
 ) -> Result<Vec<Interval>, Clash> {
     let progress = Progress {
@@ -188,7 +197,10 @@ fn narrowed(
     };
     for _ in 0..looks {
         let before = box_.clone();
-        let seen = gross::narrow(problem, model, records, &mut told, &alive)?;
+        let seen = match seen.take() {
+            Some(seen) => seen,
+            None => gross::narrow(problem, model, records, &mut told, &alive)?,
+        };
         let cut = |box_: &mut [Interval], by: &[Interval]| {
             let pairs = box_.iter_mut().zip(by);
             pairs.for_each(|(x, by)| *x = x.intersect(*by));
@@ -228,15 +240,16 @@ fn prepared(
         let alive = || keep.goes_on(&search.progress());
         gross::narrow(problem, model, records, &mut told, &alive)
     };
-    if let Err(clash) = seen {
-        return (search.into_state(), Some(Err(clash)));
-    }
+    let seen = match seen {
+        Ok(seen) => seen,
+        Err(clash) => return (search.into_state(), Some(Err(clash))),
+    };
     let is_whole = search.reaches(&told, keep) || search.reaches_by_windows(&told, keep);
     let state = search.into_state();
     if is_whole {
         return (state, None);
     }
-    let left = narrowed(problem, (model, records), told, keep);
+    let left = narrowed(problem, (model, records), (told, Some(seen)), keep);
     // Windows tell more where inputs are known.
     problem.balances = None;
     (state, Some(left))

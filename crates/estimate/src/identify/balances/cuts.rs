@@ -30,6 +30,10 @@ const WORTHWHILE: f64 = 2e-3;
 /// Of all functions that refute a point so many are taken.
 const BEST: usize = 8;
 
+/// Functions are such that they refute a point also if states were known that much worse, the first of these shares where some do:
+/// what refutes a point by little refutes no others.
+const MARGINS: [f64; 6] = [1.0, 0.5, 0.25, 0.12, 0.06, 0.0];
+
 /// So many points of a region are refuted before a stop is taken to be where it is asked about,
 const TRIALS: usize = 6;
 
@@ -50,6 +54,8 @@ pub(super) struct Cuts<'a> {
     bents: Vec<Vec<f64>>,
     /// New functions, by track.
     pub(super) found: Vec<Vec<Window>>,
+    /// The first of [`MARGINS`] that is tried: points that are asked about one after the other are refuted by about as much.
+    level: usize,
 }
 
 impl Cuts<'_> {
@@ -66,9 +72,20 @@ impl Cuts<'_> {
             rows: Rows::new(axes),
             bents: Vec::new(),
             found: tracks.iter().map(|_| Vec::new()).collect(),
+            level: 0,
         };
         cuts.say();
         cuts
+    }
+
+    /// There are no such solutions: a row that no unknowns of the unit box satisfy.
+    fn leave_nothing(&mut self) {
+        let mut slopes = vec![0.0; self.region.axes()];
+        if let Some(slope) = slopes.first_mut() {
+            *slope = 1.0;
+        }
+        self.rows.push_outer(&slopes, Interval::point(2.0));
+        self.bents.push(vec![0.0; self.region.axes()]);
     }
 
     /// What all functions say, anew.
@@ -82,18 +99,36 @@ impl Cuts<'_> {
                 self.bents.resize(self.rows.len(), bent);
             }
         }
+        if self.tracks.iter().any(|track| track.is_refuted) {
+            self.leave_nothing();
+        }
     }
 
-    /// Takes the best functions that refute a point; whether there are any.
+    /// Takes the best functions of those whose rows refute a point; whether there are any.
     fn refute(&mut self, point: &[f64]) -> bool {
+        for (level, margin) in MARGINS.iter().enumerate().skip(self.level) {
+            if self.refute_by(point, *margin) {
+                self.level = level.saturating_sub(1);
+                return true;
+            }
+        }
+        self.level = 0;
+        false
+    }
+
+    fn refute_by(&mut self, point: &[f64], margin: f64) -> bool {
         let mut all = Vec::new();
         for (position, track) in self.tracks.iter().enumerate() {
             let at = (&self.region, point);
-            for window in track.refuting(at, &self.choices[position], track.all()) {
+            let within = track.all();
+            for window in track.refuting(at, &self.choices[position], within, margin) {
                 let mut rows = Rows::new(self.region.axes());
                 let at = (&self.region, &self.views[position]);
                 let bent = track.say(&window, at, &mut rows);
-                all.push((outside(&rows, point), position, window, rows, bent));
+                let by = outside(&rows, point);
+                if by > 0.0 {
+                    all.push((by, position, window, rows, bent));
+                }
             }
         }
         let is_refuted = !all.is_empty();
@@ -126,13 +161,7 @@ impl Cuts<'_> {
             self.views = views.collect();
             self.say();
             if self.choices.iter().flatten().any(Range::is_empty) {
-                // There is no such solution: a row that no unknowns of the unit box satisfy.
-                let mut slopes = vec![0.0; self.region.axes()];
-                if let Some(slope) = slopes.first_mut() {
-                    *slope = 1.0;
-                }
-                self.rows.push_outer(&slopes, Interval::point(2.0));
-                self.bents.push(vec![0.0; self.region.axes()]);
+                self.leave_nothing();
                 return;
             }
         }
@@ -165,7 +194,7 @@ impl Cuts<'_> {
             if depth < 0.0 && contract(&rows).is_err() {
                 return false;
             }
-            let found = track.refuting((&self.region, &point), &choices, around.clone());
+            let found = track.refuting((&self.region, &point), &choices, around.clone(), 0.0);
             if found.is_empty() {
                 return true;
             }

@@ -126,12 +126,14 @@ impl Track {
         rests
     }
 
-    /// Functions over some stretches that refute a point of a region, if stops are where they may be by choice.
+    /// Functions over some stretches that refute a point of a region, if stops are where they may be by choice, also where what is known of
+    /// states had this share more of its width.
     pub(super) fn refuting(
         &self,
         (region, point): (&Region, &[f64]),
         choices: &Choices,
         within: Range<usize>,
+        margin: f64,
     ) -> Vec<Window> {
         let at = |value: &usize| {
             let slopes = region.axes[*value].iter().zip(point);
@@ -146,7 +148,12 @@ impl Track {
         let rests = self.rests(&params, choices);
         let known = |node: &(Interval, Interval)| {
             let is_bounded = node.0.is_bounded() && node.1.is_bounded();
-            is_bounded.then(|| [[node.0.lo(), node.0.hi()], [node.1.lo(), node.1.hi()]])
+            let wider = |x: Interval| {
+                let (middle, radius) = x.mid_rad();
+                let radius = (1.0 + margin) * radius;
+                [middle - radius, middle + radius]
+            };
+            is_bounded.then(|| [wider(node.0), wider(node.1)])
         };
         let known: Vec<Option<Known>> = self.nodes_with(choices).iter().map(known).collect();
         let mut windows = Vec::new();

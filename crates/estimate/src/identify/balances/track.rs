@@ -12,8 +12,8 @@ use veribound_flow::balance::Balance;
 use veribound_flow::{Acting, StepOptions, System, Workspace};
 use veribound_interval::Interval;
 
-/// States at samples are narrowed by so many neighbours on each side.
-const NEIGHBOURS: usize = 16;
+/// States at samples are narrowed by those so many stretches away at most.
+const LONGEST: usize = 1 << 10;
 
 /// What happens between two samples is enclosed by its ends and by what acts there, in turns,
 const TUBES: usize = 1;
@@ -49,6 +49,28 @@ pub(super) struct Track {
     pub(super) phases: Vec<Vec<usize>>,
     pub(super) stops: Vec<Stop>,
     pub(super) windows: Vec<Window>,
+    /// Nothing is left at some sample: there are no solutions with these parameters that agree with the record.
+    pub(super) is_refuted: bool,
+}
+
+/// Stretches in a row: their time, and the integrals of `w'`, of `(b - s) w'` and of `(s - a) w'`.
+#[derive(Clone, Copy)]
+struct Span {
+    time: Interval,
+    gain: Interval,
+    ahead: Interval,
+    behind: Interval,
+}
+
+impl Span {
+    fn then(&self, next: &Span) -> Span {
+        Span {
+            time: self.time + next.time,
+            gain: self.gain + next.gain,
+            ahead: self.ahead + next.time * self.gain + next.ahead,
+            behind: self.behind + self.time * next.gain + next.behind,
+        }
+    }
 }
 
 /// Stretches in which the rate comes to a level once and stays there until their end; or leaves it once, after it was there from
@@ -103,6 +125,7 @@ impl Track {
             phases: Vec::new(),
             stops: Vec::new(),
             windows: Vec::new(),
+            is_refuted: false,
         }
     }
 
@@ -111,7 +134,7 @@ impl Track {
         &mut self,
         problem: &Problem,
         system: &System,
-        states: &[Vec<Interval>],
+        states: &mut [Vec<Interval>],
         box_: &[Interval],
     ) {
         let course = &problem.courses[self.record];
@@ -143,6 +166,14 @@ impl Track {
                 self.stretches.push(None);
                 continue;
             }
+            for (known, end) in states[k + 1].iter_mut().zip(&ends) {
+                let left = known.intersect(*end);
+                self.is_refuted |= left.is_empty();
+                if !left.is_empty() {
+                    *known = left;
+                }
+            }
+            self.nodes[k + 1] = (states[k + 1][state], states[k + 1][rate]);
             let mut tube = workspace.tube().to_vec();
             let known = workspace.velocity()[rate];
             // What acts is known better where both ends tell where solutions are between, and the other way round.
@@ -217,57 +248,74 @@ impl Track {
         }
     }
 
-    /// Narrows a state and its rate; that nothing is left is for rows to say.
+    /// Narrows a state and its rate.
     fn narrow(&mut self, node: usize, (x, w): (Interval, Interval)) {
         let own = &mut self.nodes[node];
         let left = (own.0.intersect(x), own.1.intersect(w));
-        if !(left.0.is_empty() || left.1.is_empty()) {
+        if left.0.is_empty() || left.1.is_empty() {
+            self.is_refuted = true;
+        } else {
             *own = left;
         }
     }
 
-    /// Narrows states and rates at samples by their neighbours.
+    /// Narrows states and rates at samples by those 1, 2, 3, 4, 6, 8, 12, ... stretches away.
     ///
-    /// Proof. Taylor's theorem with integral remainders: for times `a < t < b` with `w'` in `V` almost everywhere between,
-    /// `x(t) = (x(a) (b - t) + x(b) (t - a))/(b - a) - R` with `R` in `(t - a) (b - t)/2 V`, since Green's function is not negative and has
-    /// that integral; and `w(t) = (x(b) - x(t))/(b - t) - (b - t)/2 v` with some `v` in `V`, likewise backwards.
+    /// Proof. Taylor's theorem with integral remainders: for `x' = w` and times `a < b`, `x(b) = x(a) + (b - a) w(a) + I` with
+    /// `I = ∫ (b - s) w'(s) ds`, and `x(b) = x(a) + (b - a) w(b) - J` with `J = ∫ (s - a) w'(s) ds`; neither weight is negative. With `t` between them,
+    /// the same from `t` on and until `t`, times `t - a` and `b - t`, is `x(t) = (x(a) (b - t) + x(b) (t - a))/(b - a) - R` with
+    /// `R = ((t - a) I(t, b) + (b - t) J(a, t))/(b - a)`. For two neighbouring stretches `∫ w'`, `I` and `J` follow from those of each.
     pub(super) fn smooth(&mut self) {
         let half = Interval::point(0.5);
-        // Times and accelerations from a sample on, in one direction.
-        let reach = |from: usize, is_back: bool| {
-            let (mut time, mut bend) = (Interval::ZERO, Interval::EMPTY);
-            let mut list = Vec::new();
-            for by in 1..=NEIGHBOURS {
-                let at = if is_back {
-                    from.checked_sub(by)
-                } else {
-                    Some(from + by - 1)
-                };
-                let stretch = at.and_then(|at| self.stretches.get(at)?.as_ref());
-                let Some(stretch) = stretch else { break };
-                time += stretch.dt;
-                bend = bend.hull(stretch.bend);
-                list.push((time, bend));
-            }
-            list
+        let spans = self.stretches.iter().map(|stretch| {
+            let stretch = stretch.as_ref()?;
+            let moment = half * stretch.dt.sqr() * stretch.bend;
+            Some(Span {
+                time: stretch.dt,
+                gain: stretch.dt * stretch.bend,
+                ahead: moment,
+                behind: moment,
+            })
+        });
+        let spans: Vec<Option<Span>> = spans.collect();
+        let joined = |first: &[Option<Span>], reach: usize, next: &[Option<Span>]| {
+            let pairs = first.iter().zip(next.get(reach..).unwrap_or_default());
+            let pairs = pairs.map(|(first, next)| Some(first.as_ref()?.then(next.as_ref()?)));
+            pairs.collect::<Vec<Option<Span>>>()
         };
+        let (mut short, mut reach) = (spans, 1);
+        self.smooth_by(&short, reach);
+        loop {
+            let long = joined(&short, reach, &short);
+            self.smooth_by(&long, 2 * reach);
+            if 2 * reach >= LONGEST || 3 * reach > self.stretches.len() {
+                return;
+            }
+            self.smooth_by(&joined(&short, reach, &long), 3 * reach);
+            (short, reach) = (long, 2 * reach);
+        }
+    }
+
+    /// The same with all spans of so many stretches.
+    fn smooth_by(&mut self, spans: &[Option<Span>], reach: usize) {
         let nodes = (0..self.nodes.len()).map(|k| {
             let (mut x, mut w) = self.nodes[k];
-            let (back, ahead) = (reach(k, true), reach(k, false));
-            for (p, (before, first)) in back.iter().enumerate() {
-                let left = self.nodes[k - p - 1].0;
-                w = w.intersect((x - left) / *before + half * *before * *first);
-                for (q, (after, second)) in ahead.iter().enumerate() {
-                    let right = self.nodes[k + q + 1].0;
-                    let share = *after / (*before + *after);
-                    let chord = right + share * (left - right);
-                    let rest = half * *before * *after * first.hull(*second);
-                    x = x.intersect(chord - rest);
-                }
+            let ahead = spans.get(k).copied().flatten();
+            let behind = k.checked_sub(reach).and_then(|from| *spans.get(from)?);
+            let left = || self.nodes[k - reach].0;
+            let right = || self.nodes[k + reach].0;
+            if let (Some(behind), Some(ahead)) = (&behind, &ahead) {
+                let whole = behind.time + ahead.time;
+                let share = ahead.time / whole;
+                let chord = right() + share * (left() - right());
+                let rest = (behind.time * ahead.ahead + ahead.time * behind.behind) / whole;
+                x = x.intersect(chord - rest);
             }
-            for (q, (after, bend)) in ahead.iter().enumerate() {
-                let right = self.nodes[k + q + 1].0;
-                w = w.intersect((right - x) / *after - half * *after * *bend);
+            if let Some(behind) = &behind {
+                w = w.intersect((x - left() + behind.behind) / behind.time);
+            }
+            if let Some(ahead) = &ahead {
+                w = w.intersect((right() - x - ahead.ahead) / ahead.time);
             }
             (x, w)
         });
