@@ -136,6 +136,8 @@ impl Balances {
 }
 
 #[cfg(test)]
+mod belts;
+#[cfg(test)]
 #[path = "../../../../flow/tests/common/mod.rs"]
 mod common;
 
@@ -340,122 +342,6 @@ mod tests {
         assert!(
             stops > 10 && 4 * left < 3 * stretches,
             "{stops} {stretches} {left}"
-        );
-    }
-
-    /// What rests on a moving level moves with it.
-    #[test]
-    fn stops_on_a_level_that_moves() {
-        let mut rng = Rng(number("VERIBOUND_SEED", 7));
-        let (mut all, mut stops, mut resting) = (0, 0, 0);
-        for _ in 0..number("VERIBOUND_ROUNDS", 12) {
-            let speed = rng.pick(&[0.0625, 0.25, -0.5, 2.0]);
-            let text = RIG
-                .replace("alpha*omega", &format!("alpha*(omega - {speed})"))
-                .replace("friction(omega,", &format!("friction(omega - {speed},"));
-            let model = read("rig", &text);
-            let p = [
-                rng.between(-4.0, -0.5),
-                rng.between(50.0, 300.0),
-                rng.between(0.05, 0.25),
-            ];
-            let (record, states) = course(&mut rng, p, 200, &[0.0, 1.0, 0.0, -1.0]);
-            let problem = Problem::of(&model, std::slice::from_ref(&record));
-            let noise = rng.pick(&[0.1, 0.03, 0.003, 0.0003]);
-            let mut side = 1.0;
-            let seen = states.iter().zip(&record).map(|([x, w], sample)| {
-                side = if *w == 0.0 { side } else { w.signum() };
-                let x = x + speed * sample.time.to_interval().mid();
-                let unit = rng.between(-1.0, 1.0);
-                let off = noise * rng.pick(&[-1.0, 1.0, unit]);
-                // On which side of rest it is, is known.
-                let (lo, hi) = match w.partial_cmp(&0.0).unwrap() {
-                    std::cmp::Ordering::Less => (w - 3.0, (w + 3.0).min(0.0)),
-                    // Not always that it rests.
-                    std::cmp::Ordering::Equal if rng.chance(0.3) => (0.0, 0.0),
-                    std::cmp::Ordering::Equal if side < 0.0 => (-3.0, 0.0),
-                    std::cmp::Ordering::Equal => (0.0, 3.0),
-                    std::cmp::Ordering::Greater => ((w - 3.0).max(0.0), w + 3.0),
-                };
-                let rate = Interval::new(lo + speed, hi + speed).unwrap();
-                vec![Interval::point(x + off).inflate(noise + 1e-9), rate]
-            });
-            let seen: Vec<Vec<Interval>> = seen.collect();
-            let mut box_ = problem.believed();
-            let share = rng.pick(&[0.1, 0.02, 0.001, 1e-5]);
-            for (quantity, truth) in problem.params().zip(p) {
-                let whole = Interval::point(truth).inflate(share * truth.abs() + 1e-9);
-                box_[quantity] = whole.intersect(box_[quantity]);
-            }
-            let balances = Balances::of(
-                &model,
-                &problem,
-                std::slice::from_ref(&seen),
-                &box_,
-                &|| true,
-            );
-            let region = Region::of_box(&box_);
-            let mut unknowns = vec![Interval::ZERO; region.axes()];
-            for (quantity, truth) in problem.params().zip(p) {
-                let axis = region.axes[quantity]
-                    .iter()
-                    .position(|x| *x != 0.0)
-                    .unwrap();
-                let at = Interval::point(truth) - Interval::point(region.centre[quantity]);
-                unknowns[axis] = at / Interval::point(region.axes[quantity][axis]);
-            }
-            let mut cuts = Cuts::of(&balances.tracks, region.clone());
-            cuts.trim();
-            let pairs = balances.tracks.iter().zip(&cuts.choices);
-            for (stop, choice) in pairs.flat_map(|(track, choices)| track.stops.iter().zip(choices))
-            {
-                let turns = |k: &usize| (states[*k][1] == 0.0) != (states[k + 1][1] == 0.0);
-                for k in stop.stretches.clone().filter(turns) {
-                    assert!(choice.contains(&k), "{p:?}: {k} not in {choice:?}");
-                    stops += 1;
-                }
-            }
-            // Where stops are in truth.
-            for track in &balances.tracks {
-                let mut choices = track.choices();
-                for (choice, stop) in choices.iter_mut().zip(&track.stops) {
-                    let turns = |k: &usize| (states[*k][1] == 0.0) != (states[k + 1][1] == 0.0);
-                    if let Some(k) = stop.stretches.clone().find(turns) {
-                        *choice = k..k + 1;
-                        resting += stop.stretches.len() - 1;
-                    }
-                }
-                let nodes = track.nodes_with(&choices).into_iter().zip(&states);
-                for (((x, w), truth), sample) in nodes.zip(&record) {
-                    let place = truth[0] + speed * sample.time.to_interval().mid();
-                    assert!(x.inflate(1e-8).contains(place), "{p:?}: {x} {place}");
-                    assert!(
-                        w.inflate(1e-8).contains(truth[1] + speed),
-                        "{p:?}: {w} {truth:?}"
-                    );
-                }
-            }
-            let mut rows = Rows::new(region.axes());
-            balances.tell(&region, &mut rows);
-            for row in 0..rows.len() {
-                let slopes = rows.slopes(row).iter().zip(&unknowns);
-                let value = slopes.fold(Interval::ZERO, |sum, (slope, x)| {
-                    sum + Interval::point(*slope) * *x
-                });
-                assert!(
-                    value.intersects(rows.outer(row)),
-                    "{p:?}: {value} {}",
-                    rows.outer(row)
-                );
-                all += 1;
-            }
-        }
-        println!(
-            "trials of balances on a level that moves: {all}, stops {stops}, at rest {resting}"
-        );
-        assert!(
-            all > 1_000 && stops > 5 && resting > 10,
-            "{all} {stops} {resting}"
         );
     }
 }
