@@ -632,7 +632,7 @@ fn nothing_is_unknown() {
     let text = "format = 1\nstates = [\"x\"]\n[init]\nx = 1\n[params]\nk = { fixed = 2 }\n[der]\nx = \"-k*x\"\n\
         [outputs]\nb = \"x +- 0.1\"\n";
     let model = read("known", text);
-    for (off, agrees) in [(0.05, true), (0.15, false)] {
+    for (off, agrees) in [(0.05, true), (0.15, false), (0.2, false), (1.6, false)] {
         let row = |i: usize| {
             let t = i as f64 / 8.0;
             (
@@ -659,6 +659,23 @@ fn nothing_is_unknown() {
         } else {
             assert!(matches!(found, Conclusion::Inconsistent(_)), "{found:?}");
         }
+    }
+}
+
+/// A parameter that is known, but no float, needs no sets.
+#[test]
+fn a_known_decimal_needs_no_sets() {
+    for c in ["0.3", "0.25"] {
+        let text = format!(
+            "format = 1\nstates = [\"x\"]\n[init]\nx = 1\n[params]\nk = [1, 4]\nc = {{ fixed = {c} }}\n[der]\n\
+             x = \"-k*x + c\"\n[outputs]\nb = \"x +- 0.1\"\n"
+        );
+        let rows = [(0.0, 1.0), (0.1, 0.8), (0.2, 0.65), (0.5, 0.4)];
+        let rows = rows.map(|(time, x)| (time, Some(Interval::point(x).inflate(0.1))));
+        let options = IdentifyOptions::default();
+        let found = run(&read("decay", &text), &[samples(&rows, &[])], &options);
+        assert_eq!(found.limits, [Limit::Record; 2]);
+        assert!(found.sets < 12, "{c}: {found:?}");
     }
 }
 
