@@ -16,6 +16,7 @@ use veribound_estimate::identify::{
     Checkpoints, Conclusion, Identified, IdentifyOptions, Limit, Reason, Status, Tile, Unreadable,
     identify, least_error, resume,
 };
+use veribound_estimate::{Method, Observer, ObserverOptions, Verdict};
 use veribound_interval::{Decimal, Interval};
 use veribound_model::{Model, Sample};
 
@@ -623,6 +624,59 @@ fn an_empty_record_says_nothing() {
     let found = run(&model, &[Vec::new()], &IdentifyOptions::default());
     assert!(!matches!(found.conclusion, Conclusion::Inconsistent(_)));
     assert_eq!(found.params[0].outer, interval(-2.0, 2.0));
+}
+
+/// Where nothing is unknown a record agrees or does not, for identification and for the polytope, and its least error is told.
+#[test]
+fn nothing_is_unknown() {
+    let text = "format = 1\nstates = [\"x\"]\n[init]\nx = 1\n[params]\nk = { fixed = 2 }\n[der]\nx = \"-k*x\"\n\
+        [outputs]\nb = \"x +- 0.1\"\n";
+    let model = read("known", text);
+    for (off, agrees) in [(0.05, true), (0.15, false), (0.2, false), (1.6, false)] {
+        let row = |i: usize| {
+            let t = i as f64 / 8.0;
+            (
+                t,
+                Some(Interval::point((-2.0 * t).exp() + off).inflate(0.1)),
+            )
+        };
+        let record = samples(&(0..4).map(row).collect::<Vec<_>>(), &[]);
+        let records = std::slice::from_ref(&record);
+        let options = IdentifyOptions::default();
+        let found = run(&model, records, &options).conclusion;
+        let least = least_error(&model, records, &options, &|_| true).factor;
+        let told = least.inflate(1e-6).contains(10.0 * off);
+        assert!(told && least.width() < 0.1, "{least}");
+        let options = ObserverOptions {
+            method: Method::Polytope,
+            ..ObserverOptions::default()
+        };
+        let mut observer = Observer::new(&model, options);
+        let refutes = |sample| matches!(observer.step(sample), Ok(Verdict::Inconsistent(_)));
+        assert_eq!(record.iter().any(refutes), !agrees);
+        if agrees {
+            assert_eq!(found, Conclusion::Consistent);
+        } else {
+            assert!(matches!(found, Conclusion::Inconsistent(_)), "{found:?}");
+        }
+    }
+}
+
+/// A parameter that is known, but no float, needs no sets.
+#[test]
+fn a_known_decimal_needs_no_sets() {
+    for c in ["0.3", "0.25"] {
+        let text = format!(
+            "format = 1\nstates = [\"x\"]\n[init]\nx = 1\n[params]\nk = [1, 4]\nc = {{ fixed = {c} }}\n[der]\n\
+             x = \"-k*x + c\"\n[outputs]\nb = \"x +- 0.1\"\n"
+        );
+        let rows = [(0.0, 1.0), (0.1, 0.8), (0.2, 0.65), (0.5, 0.4)];
+        let rows = rows.map(|(time, x)| (time, Some(Interval::point(x).inflate(0.1))));
+        let options = IdentifyOptions::default();
+        let found = run(&read("decay", &text), &[samples(&rows, &[])], &options);
+        assert_eq!(found.limits, [Limit::Record; 2]);
+        assert!(found.sets < 12, "{c}: {found:?}");
+    }
 }
 
 /// A start value that no float is can be proved, too.

@@ -278,7 +278,9 @@ fn random_options(rng: &mut Rng) -> ObserverOptions {
             Method::Boxes
         },
         rows: rng.pick(&[2, 16, 64]),
+        replay: rng.pick(&[1, 8]),
         history: rng.pick(&[30, 20_000]),
+        budget: rng.pick(&[1, 20_000, 300_000, 1_000_000]),
         step: StepOptions {
             order: 1 + rng.below(6),
             ..StepOptions::default()

@@ -17,6 +17,9 @@ use veribound_model::{Model, Sample};
 /// How often the largest factor tried is taken of the one before.
 const LARGER: f64 = 8.0;
 
+/// Larger ones are tried, too, where no point is known and so much times the least one is as large as those tried.
+const NEAR: f64 = 1.05;
+
 /// Factors that are tried at most: measurement errors that large say nothing.
 const LARGEST: f64 = 1e9;
 
@@ -74,7 +77,7 @@ pub fn least_error(
             let known = Interval::new(below.max(found.factor.lo()), above);
             found.factor = known.unwrap_or(found.factor);
             found.point = least.map(|least| least.1);
-            if found.point.is_some() || found.interrupted || below < factor.hi() {
+            if found.point.is_some() || found.interrupted || NEAR * below < factor.hi() {
                 break;
             }
             tried = Interval::new(factor.hi(), factor.hi() * LARGER);

@@ -16,6 +16,11 @@ use veribound_interval::Interval;
 /// Uncertainty below this share of a value is no axis of its own.
 const THIN: f64 = 1e-13;
 
+/// Whether a quantity is known up to rounding, as a decimal that no float is.
+pub(crate) fn is_thin(x: Interval) -> bool {
+    x.rad() <= THIN * x.mid().abs()
+}
+
 /// A set of start values and parameters.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct Region {
@@ -28,8 +33,7 @@ pub(crate) struct Region {
 impl Region {
     /// A box.
     pub(crate) fn of_box(quantities: &[Interval]) -> Region {
-        let is_wide = |x: &&Interval| x.rad() > THIN * x.mid().abs() && x.rad() > 0.0;
-        let count = quantities.iter().filter(is_wide).count();
+        let count = quantities.iter().filter(|x| !is_thin(**x)).count();
         let mut region = Region {
             centre: quantities.iter().map(|x| x.mid()).collect(),
             axes: vec![vec![0.0; count]; quantities.len()],
@@ -37,11 +41,11 @@ impl Region {
         };
         let mut axis = 0;
         for (i, x) in quantities.iter().enumerate() {
-            if is_wide(&x) {
+            if is_thin(*x) {
+                region.rest[i] = x.rad();
+            } else {
                 region.axes[i][axis] = x.rad();
                 axis += 1;
-            } else {
-                region.rest[i] = x.rad();
             }
         }
         region

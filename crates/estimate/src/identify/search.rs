@@ -12,7 +12,7 @@ use super::cell::{BELIEVED, Cell, Clash, Known};
 use super::pass::{Conflict, GoOn};
 use super::pave::{self, Paved, Paving};
 use super::problem::Problem;
-use super::region::Region;
+use super::region::{Region, is_thin};
 use super::rows::SEVERAL;
 use super::told::Told;
 use super::windows::Junctions;
@@ -491,7 +491,7 @@ impl<'a> Search<'a> {
         let mut gaps = Vec::new();
         for &quantity in &self.wanted {
             let outer = self.outer(quantity);
-            if outer.width() == 0.0 {
+            if outer.width() == 0.0 || is_thin(self.believed[quantity]) {
                 continue;
             }
             let (below, above) = match self.inner(quantity) {

@@ -142,6 +142,14 @@ impl<'a> Program<'a> {
     pub(crate) fn minimize(&mut self, direction: &[f64]) -> Vertex {
         let n = self.part.len();
         let mut point = vec![0.0; n];
+        if n == 0 {
+            // Nothing is unknown.
+            return Vertex {
+                point,
+                multipliers: Vec::new(),
+                is_impossible: false,
+            };
+        }
         let kept = self.basis.take();
         let kept = kept.and_then(|basis| self.turned(basis, direction, &mut point));
         let (mut basis, mut multipliers) =

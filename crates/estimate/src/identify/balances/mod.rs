@@ -136,6 +136,8 @@ impl Balances {
 }
 
 #[cfg(test)]
+mod belts;
+#[cfg(test)]
 #[path = "../../../../flow/tests/common/mod.rs"]
 mod common;
 

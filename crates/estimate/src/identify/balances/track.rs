@@ -397,14 +397,28 @@ impl Track {
         self.stops = stops;
     }
 
-    /// States at samples, where it rests by choice all the same.
+    /// States at samples, where those between which the rate is on a level by choice tell each other: the state moves with the level.
     pub(super) fn nodes_with(&self, choices: &Choices) -> Vec<(Interval, Interval)> {
         let mut nodes = self.nodes.clone();
         for (stop, choice) in self.stops.iter().zip(choices) {
-            if let Some(resting) = nodes.get_mut(stop.rests(choice)) {
-                let place = resting.iter();
-                let place = place.fold(Interval::ENTIRE, |place, (x, _)| place.intersect(*x));
-                resting.fill((place, Interval::point(stop.level)));
+            let level = Interval::point(stop.level);
+            let mut moved = Interval::ZERO;
+            let moves = stop.rests(choice).map(|node| {
+                let own = moved;
+                if let Some(Some(stretch)) = self.stretches.get(node) {
+                    moved += level * stretch.dt;
+                }
+                (node, own)
+            });
+            let moves: Vec<(usize, Interval)> = moves.collect();
+            let known = moves
+                .iter()
+                .filter_map(|(node, moved)| Some(nodes.get(*node)?.0 - *moved));
+            let place = known.fold(Interval::ENTIRE, Interval::intersect);
+            for (node, moved) in moves {
+                if let Some(own) = nodes.get_mut(node) {
+                    *own = (place + moved, level);
+                }
             }
         }
         nodes
