@@ -163,8 +163,19 @@ const NARROWED: f64 = 0.9;
 /// The observer and balances narrow what is told, in turns: what they leave of all quantities.
 fn narrowed(
     problem: &mut Problem,
+    records: (&Model, &[Vec<Sample>]),
+    told: Vec<Interval>,
+    keep: &Keep<'_>,
+) -> Result<Vec<Interval>, Clash> {
+    narrowed_until(problem, records, told, &mut |_, _| false, keep)
+}
+
+/// As [`narrowed`], but no farther than is enough.
+fn narrowed_until(
+    problem: &mut Problem,
     (model, records): (&Model, &[Vec<Sample>]),
     mut told: Vec<Interval>,
+    is_enough: &mut dyn FnMut(&mut Problem, &[Interval]) -> bool,
     keep: &Keep<'_>,
 ) -> Result<Vec<Interval>, Clash> {
     let progress = Progress {
@@ -205,7 +216,7 @@ fn narrowed(
             let whole = before.width();
             whole == 0.0 || now.width() > NARROWED * whole
         });
-        if shares.all(|stays| stays) || !alive() {
+        if shares.all(|stays| stays) || !alive() || is_enough(problem, &told) {
             break;
         }
     }
@@ -236,10 +247,19 @@ fn prepared(
     if is_whole {
         return (state, None);
     }
-    let left = narrowed(problem, (model, records), told, keep);
-    // Windows tell more where inputs are known.
+    let (mut state, mut is_whole) = (state, false);
+    let mut is_enough = |problem: &mut Problem, told: &[Interval]| {
+        // Windows tell more where inputs are known.
+        problem.balances = None;
+        let known = std::mem::replace(&mut state, State::new(problem));
+        let mut search = Search::with(problem, options, known);
+        is_whole = search.reaches(told, keep);
+        state = search.into_state();
+        is_whole
+    };
+    let left = narrowed_until(problem, (model, records), told, &mut is_enough, keep);
     problem.balances = None;
-    (state, Some(left))
+    (state, (!is_whole).then_some(left))
 }
 
 /// Does the work with so many threads.
