@@ -1021,6 +1021,59 @@ fn resets_at_the_same_sample() {
     }
 }
 
+/// What a parameter is before a reset that may be at the first sample: any of its values where all rests with any, though without
+/// friction it just so rests, and what a sample tells where it does not.
+#[test]
+fn a_value_that_only_the_first_stretch_has() {
+    let sled = "format = 1\nstates = [\"x\", \"v\"]\ninputs = [\"u\"]\n[init]\nx = [-1, 1]\nv = 0\n[params]\nT = [0, 0.5]\n[der]\nx = \"v\"\n\
+        v = \"u - friction(v, u, T)\"\n[outputs]\nm = \"x +- 0.01\"\n[signals]\nstill = { proves = \"v == 0\", latency = 0 }\n\
+        [events]\nrest = { when = \"still\", lasts = 1, action = \"reset T\" }\n";
+    let rows: Vec<(Vec<f64>, Vec<bool>)> = (0..10)
+        .map(|k| (vec![0.25 * f64::from(k - 5).max(0.0).powi(2)], vec![k <= 5]))
+        .collect();
+    let rows: Vec<(&[f64], &[bool])> = rows.iter().map(|(x, s)| (&x[..], &s[..])).collect();
+    let inputs = [0.0, 0.0, 0.0, 0.0, 0.0, 0.8, 0.8, 0.8, 0.8, 0.8];
+    let record = told(&rows, 0.01, &inputs);
+    let found = run(&read("sled", sled), &[record], &IdentifyOptions::default());
+    assert!(
+        found.params[0].outer == interval(0.0, 0.5)
+            && found.params[0].tightness() < 1.001
+            && found.limits == [Limit::Record],
+        "{found:?}"
+    );
+    let moving = found.resets[0].last().unwrap().bounds;
+    assert!(
+        moving.outer.contains(0.3) && moving.tightness() < 1.05,
+        "{found:?}"
+    );
+
+    let text = "format = 1\nstates = [\"x\"]\ninputs = [\"u\"]\n[init]\nx = 0\n[params]\na = [0, 1]\n[der]\nx = \"a*u\"\n[outputs]\n\
+        xm = \"x +- 0.1\"\n[signals]\ns = { proves = \"0*x == 0\", latency = 0 }\n\
+        [events]\nea = { when = \"s\", lasts = 1, action = \"reset a\" }\n";
+    let rows: [(&[f64], &[bool]); 4] = [
+        (&[0.0], &[true]),
+        (&[0.2], &[true]),
+        (&[0.6], &[false]),
+        (&[1.0], &[false]),
+    ];
+    let record = told(&rows, 0.1, &[1.0; 4]);
+    let found = run(
+        &read("one rate", text),
+        &[record],
+        &IdentifyOptions::default(),
+    );
+    let first = found.params[0];
+    assert!(
+        matches!(found.conclusion, Conclusion::Consistent)
+            && first.outer.contains(0.2)
+            && first.outer.hi() < 0.31
+            && first
+                .inner
+                .is_none_or(|inner| inner.is_subset_of(first.outer)),
+        "{found:?}"
+    );
+}
+
 /// Values that last for one stretch are cut by what samples tell with errors as large as they may be.
 #[test]
 fn the_least_error_through_resets() {

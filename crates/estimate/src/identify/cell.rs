@@ -458,12 +458,7 @@ impl Problem {
                 .collect();
             let set = self.set(record, rows, known_of.is_none());
             let known = known.filter(|_| self.balances.is_none());
-            let mut passed = pass(self, course, span, set.clone(), wanted.clone());
-            if passed.conflict.is_none() && passed.reached < until && known.is_some() {
-                let aim = Aim::Windows;
-                *passes += 1;
-                passed = pass(self, course, Span { aim, ..span }, set, wanted);
-            }
+            let passed = pass(self, course, span, set, wanted);
             if let Some(conflict) = passed.conflict {
                 return Err(of_record(record, conflict));
             }

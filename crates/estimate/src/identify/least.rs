@@ -64,7 +64,7 @@ pub fn least_error(
                 Some(Ok(problem.believed()))
             } else {
                 let wider = scaled(records, factor.hi());
-                Some(narrowed(&mut problem, (model, &wider), (told, None), &keep))
+                Some(narrowed(&mut problem, (model, &wider), told, &keep))
             };
             let mut search = Search::with(&problem, options, state);
             search.begin(left, &keep);
@@ -119,7 +119,7 @@ fn refuted(
         let wider = scaled(records, factor);
         let mut problem = Problem::of(model, &wider);
         let told = problem.told_before();
-        let left = narrowed(&mut problem, (model, &wider), (told, None), keep);
+        let left = narrowed(&mut problem, (model, &wider), told, keep);
         match left {
             Err(_) => below = factor,
             Ok(_) => open = factor,

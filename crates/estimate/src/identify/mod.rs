@@ -81,12 +81,7 @@ pub fn resume(
             }
             {
                 let told = problem.told_before();
-                Some(narrowed(
-                    &mut problem,
-                    (model, records),
-                    (told, None),
-                    &keep,
-                ))
+                Some(narrowed(&mut problem, (model, records), told, &keep))
             }
         } else {
             None
@@ -168,12 +163,22 @@ const NARROWED: f64 = 0.9;
 /// States at the samples of every record.
 type States = Vec<Vec<Vec<Interval>>>;
 
-/// The observer and balances narrow what is told, in turns: what they leave of all quantities. What an observer has `seen` of all solutions
-/// with what is told spares the first one.
+/// The observer and balances narrow what is told, in turns: what they leave of all quantities.
 fn narrowed(
+    problem: &mut Problem,
+    records: (&Model, &[Vec<Sample>]),
+    told: Vec<Interval>,
+    keep: &Keep<'_>,
+) -> Result<Vec<Interval>, Clash> {
+    narrowed_until(problem, records, (told, None), &mut |_, _| false, keep)
+}
+
+/// As [`narrowed`], but no farther than is enough. What an observer has `seen` of all solutions with what is told spares the first one.
+fn narrowed_until(
     problem: &mut Problem,
     (model, records): (&Model, &[Vec<Sample>]),
     (mut told, mut seen): (Vec<Interval>, Option<States>),
+    is_enough: &mut dyn FnMut(&mut Problem, &[Interval]) -> bool,
     keep: &Keep<'_>,
 ) -> Result<Vec<Interval>, Clash> {
     let progress = Progress {
@@ -217,7 +222,7 @@ fn narrowed(
             let whole = before.width();
             whole == 0.0 || now.width() > NARROWED * whole
         });
-        if shares.all(|stays| stays) || !alive() {
+        if shares.all(|stays| stays) || !alive() || is_enough(problem, &told) {
             break;
         }
     }
@@ -249,10 +254,20 @@ fn prepared(
     if is_whole {
         return (state, None);
     }
-    let left = narrowed(problem, (model, records), (told, Some(seen)), keep);
-    // Windows tell more where inputs are known.
+    let (mut state, mut is_whole) = (state, false);
+    let mut is_enough = |problem: &mut Problem, told: &[Interval]| {
+        // Windows tell more where inputs are known.
+        problem.balances = None;
+        let known = std::mem::replace(&mut state, State::new(problem));
+        let mut search = Search::with(problem, options, known);
+        is_whole = search.reaches(told, keep);
+        state = search.into_state();
+        is_whole
+    };
+    let begin = (told, Some(seen));
+    let left = narrowed_until(problem, (model, records), begin, &mut is_enough, keep);
     problem.balances = None;
-    (state, Some(left))
+    (state, (!is_whole).then_some(left))
 }
 
 /// Does the work with so many threads.

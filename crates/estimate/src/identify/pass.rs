@@ -71,8 +71,6 @@ pub(crate) struct Span<'a> {
 pub(crate) enum Aim {
     /// Proved bounds.
     Bounds,
-    /// The same, where passes do not come to the end of the record: what is quadratic is worth its unknowns there.
-    Windows,
     /// Points that are proved to agree: where any value of a parameter does, one is taken.
     Points,
     /// How what is measured depends on the unknowns, whether or not they agree with it; one value is taken as for
@@ -94,7 +92,7 @@ pub(crate) struct Set {
 impl Aim {
     /// Whether inputs have single values, too.
     pub(crate) fn is_for_points(self) -> bool {
-        !matches!(self, Aim::Bounds | Aim::Windows)
+        self != Aim::Bounds
     }
 }
 
@@ -175,8 +173,8 @@ pub(crate) fn pass(
     set: Set,
     wanted: BTreeSet<usize>,
 ) -> Passed {
-    // Rows are affine, and what is not is best known by polynomials of the next degree; of slopes alone no more than these
-    // is wanted.
+    // Rows of points are affine, those of bounds quadratic, and what is not is best known by polynomials of degree two; of slopes
+    // alone no more than these is wanted.
     let degree = if span.aim == Aim::Slopes { 1 } else { 2 };
     let options = FormOptions {
         degree: Some(degree),
@@ -188,7 +186,7 @@ pub(crate) fn pass(
     // Rows of outliers, and of factors, are made of slopes alone.
     let is_straight = set.factor.is_some() || problem.outliers.iter().any(Option::is_some);
     let unknowns = form.scales().len();
-    let products = if span.aim == Aim::Windows && !is_straight && unknowns <= MOST_CURVED {
+    let products = if span.aim == Aim::Bounds && !is_straight && unknowns <= MOST_CURVED {
         form.products()
     } else {
         Vec::new()
@@ -301,13 +299,16 @@ impl Meeter<'_> {
     fn renew(&mut self, form: &mut Form) {
         let is_first = self.begin == self.span.from;
         let instant = &self.course.instants[self.begin];
-        let mut passing = Vec::new();
+        let (mut passing, mut first) = (Vec::new(), Vec::new());
         for param in 0..self.moved.params {
             let is_new = instant.resets.contains(&param) || instant.changes.contains(&param);
             if !is_first && !is_new {
                 continue;
             }
             match self.course.value(param, self.begin) {
+                Value::First if self.course.first_reset(param) == self.begin + 1 => {
+                    first.push(param)
+                }
                 Value::First => {}
                 Value::Recorded(value) => form.set_param(param, &[], value),
                 Value::Later(position) => {
@@ -320,37 +321,54 @@ impl Meeter<'_> {
                 }
             }
         }
+        for param in first {
+            // Sets may reach out of what is believed by rounding.
+            let own = form.param_box()[param].intersect(self.problem.prior[param]);
+            if !own.is_empty() && self.rests_with_any(form, param, own) {
+                form.set_param(param, &[], Interval::point(own.mid()));
+            }
+        }
         for param in passing {
             let value = self.passing(form, param);
             form.set_param(param, &[], value);
         }
     }
 
-    /// The values of a parameter for one stretch with which what states are told to be at its end can be.
-    ///
-    /// One of them stands for all where it makes no difference: where everything rests with any of them, and any of the
-    /// other parameters in the form, and no output depends on it.
-    fn passing(&mut self, form: &Form, param: usize) -> Interval {
-        let believed = self.problem.prior[param];
-        let course = self.course;
-        let Some(stretch) = course.stretches.get(self.begin) else {
-            return believed;
-        };
-        let states = form.hull();
-        let mut params = form.param_box();
-        let mut after = |part: Interval| {
-            params[param] = part;
+    /// Whether everything rests from the sample `begin` to the next with any of these values of a parameter, and any of the
+    /// other parameters in the form, and no output depends on it: then it makes no difference which one it is.
+    fn rests_with_any(&self, form: &Form, param: usize, values: Interval) -> bool {
+        let after = || {
+            let stretch = self.course.stretches.get(self.begin)?;
+            let mut params = form.param_box();
+            params[param] = values;
+            let states = self.states(form);
             self.moved.flow.box_after(&states, &params, stretch)
         };
-        let is_told = self.problem.is_told_of[param];
-        if !is_told && after(believed).is_some_and(|after| after.rests) {
-            return Interval::point(believed.mid());
+        !self.problem.is_told_of[param] && after().is_some_and(|after| after.rests)
+    }
+
+    /// The states of the form at the sample `begin`, cut with what that tells of them.
+    fn states(&self, form: &Form) -> Vec<Interval> {
+        let mut states = form.hull();
+        for (state, told) in self.told_of_states(self.begin) {
+            let both = states[state].intersect(told);
+            // The sample is met later, and that is what a conflict is then.
+            if !both.is_empty() {
+                states[state] = both;
+            }
         }
+        states
+    }
+
+    /// What a sample tells for sure of single states.
+    fn told_of_states(&self, sample: usize) -> Vec<(usize, Interval)> {
         // What a state is at a sample may be after a jump there, which other inputs and parameters decide.
-        let may_cut = !self.moved.flow.has_jumps();
-        let told = course.instants[self.begin + 1].told.iter();
+        if self.moved.flow.has_jumps() {
+            return Vec::new();
+        }
+        let told = self.course.instants[sample].told.iter();
         let is_sure = |quantity: usize| !self.doubtful.get(quantity).is_some_and(Option::is_some);
-        let told = told.filter(|(quantity, _)| may_cut && is_sure(*quantity));
+        let told = told.filter(|(quantity, _)| is_sure(*quantity));
         let told = told.filter_map(|(quantity, told)| {
             let state = self.moved.quantities[*quantity].state()?;
             let is_output = *quantity < self.problem.outputs;
@@ -358,9 +376,28 @@ impl Meeter<'_> {
             let scaled = factor.and_then(|factor| Scaled::of(*told, factor));
             Some((state, scaled.map_or(*told, |scaled| scaled.largest())))
         });
-        let told: Vec<(usize, Interval)> = told.collect();
+        told.collect()
+    }
+
+    /// The values of a parameter for one stretch with which what states are told to be at its end can be.
+    ///
+    /// One of them stands for all where it makes no difference.
+    fn passing(&mut self, form: &Form, param: usize) -> Interval {
+        let believed = self.problem.prior[param];
+        let Some(stretch) = self.course.stretches.get(self.begin) else {
+            return believed;
+        };
+        if self.rests_with_any(form, param, believed) {
+            return Interval::point(believed.mid());
+        }
+        let told = self.told_of_states(self.begin + 1);
+        let states = self.states(form);
+        let mut params = form.param_box();
         let mut is_excluded = |lo: f64, hi: f64| {
-            let after = Interval::new(lo, hi).and_then(&mut after);
+            let after = Interval::new(lo, hi).and_then(|part| {
+                params[param] = part;
+                self.moved.flow.box_after(&states, &params, stretch)
+            });
             after.is_some_and(|after| {
                 let mut told = told.iter();
                 told.any(|(state, told)| !after.states[*state].intersects(*told))

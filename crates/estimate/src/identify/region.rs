@@ -108,6 +108,21 @@ impl Region {
         self.rescaled(&scales_of(part))
     }
 
+    /// The same with about the values `x` of a quantity, and the axis that these are; `None` where it has no axis of its own.
+    pub(crate) fn reaching(&self, quantity: usize, x: Interval) -> Option<(Region, usize)> {
+        let mut moves = (0..self.axes()).filter(|axis| self.axes[quantity][*axis] != 0.0);
+        let axis = moves.next()?;
+        let mut others = (0..self.centre.len()).filter(|other| *other != quantity);
+        let is_own = moves.next().is_none() && others.all(|other| self.axes[other][axis] == 0.0);
+        is_own.then(|| {
+            let mut region = self.clone();
+            region.centre[quantity] = x.mid();
+            region.axes[quantity][axis] = x.rad();
+            region.rest[quantity] = 0.0;
+            (region, axis)
+        })
+    }
+
     /// A region that contains all of this one with `Q' δ` in `along`, for a nearly orthogonal matrix `Q` given by
     /// its columns; `None` where that is not proved.
     ///

@@ -123,8 +123,10 @@ enum Job {
     Begin(Region),
     /// around the best point of this quantity and side, from which so much is missing to the bound,
     Climb(usize, usize, f64),
-    /// or in the middle of a cell, where no point is known, with this reach.
+    /// in the middle of a cell, where no point is known, with this reach,
     Middle(Box<Cell>, f64),
+    /// or around some point with all values of this quantity.
+    All(usize),
 }
 
 /// Everything that is known, but of which quantities.
@@ -137,6 +139,8 @@ pub(crate) struct State {
     points: Vec<Vec<Interval>>,
     /// For each of the quantities that bounds are wanted of the points where it is least and largest.
     best: Vec<[Option<Best>; 2]>,
+    /// Whether quantities that bounds are not wanted of, since they last for a stretch only, had all their values around some point.
+    had_all: bool,
     /// How often a point was looked for in vain, since so many sets, and where last.
     tries: i32,
     tries_since: usize,
@@ -159,6 +163,7 @@ impl State {
             inner: vec![(f64::INFINITY, f64::NEG_INFINITY); problem.told_before().len()],
             points: Vec::new(),
             best: vec![[None, None]; Search::wanted(problem).len()],
+            had_all: false,
             tries: 0,
             tries_since: 0,
             tried: None,
@@ -330,6 +335,20 @@ impl<'a> Search<'a> {
                     probed
                 })
             }
+            Job::All(quantity) => {
+                let best = self.state.best.iter().flatten().flatten().next();
+                best.and_then(|best| {
+                    let (region, axis) =
+                        best.region.reaching(*quantity, self.believed[*quantity])?;
+                    looked = best.reach * SMALL;
+                    let (mut point, mut reaches) =
+                        (best.point.clone(), vec![looked; best.point.len()]);
+                    (point[axis], reaches[axis]) = (0.0, 1.0);
+                    let cell = self.problem.probe(&region, &point, &reaches, go_on)?;
+                    let points = cell.points(&[self.told[*quantity]]);
+                    Some((cell, points))
+                })
+            }
             Job::Middle(cell, reach) => {
                 looked = *reach;
                 let point = cell.deepest().0;
@@ -402,7 +421,11 @@ impl<'a> Search<'a> {
                 if let Some(cell) = cell {
                     self.state.passes += cell.passes;
                     for point in &points {
-                        self.learn(&cell, point, looked);
+                        match job {
+                            // It is as good as the one that it is around.
+                            Job::All(_) => drop(self.note(&cell, point)),
+                            _ => self.learn(&cell, point, looked),
+                        }
                     }
                 }
                 if let Job::Climb(param, side, missing) = job {
@@ -426,16 +449,22 @@ impl<'a> Search<'a> {
         best.missing = missing;
     }
 
-    /// Takes in a proved point of a cell that was made by looking so far around another one, as share of a region.
-    fn learn(&mut self, cell: &Cell, point: &[f64], looked: f64) {
+    /// What is told at a proved point of a cell, which bounds are not narrower than.
+    fn note(&mut self, cell: &Cell, point: &[f64]) -> Vec<Interval> {
         let at: Vec<Interval> = point.iter().map(|x| Interval::point(*x)).collect();
         let told = self.told.iter();
         let box_: Vec<Interval> = told.map(|told| told.range(&cell.region, &at)).collect();
-        let mut is_new = self.state.points.is_empty();
         for (inner, x) in self.state.inner.iter_mut().zip(&box_) {
             // The point is somewhere in x: only what is between all of it counts.
             *inner = (inner.0.min(x.hi()), inner.1.max(x.lo()));
         }
+        box_
+    }
+
+    /// Takes in a proved point of a cell that was made by looking so far around another one, as share of a region.
+    fn learn(&mut self, cell: &Cell, point: &[f64], looked: f64) {
+        let mut is_new = self.state.points.is_empty();
+        let box_ = self.note(cell, point);
         for (quantity, sides) in self.wanted.iter().zip(&mut self.state.best) {
             let x = box_[*quantity];
             for (side, (best, value)) in sides.iter_mut().zip([x.hi(), x.lo()]).enumerate() {
@@ -488,40 +517,41 @@ impl<'a> Search<'a> {
 
     /// How much of a bound may be too wide, as share of what is wanted; by parameter and side.
     fn gaps(&self) -> Vec<(f64, usize, bool)> {
-        let mut gaps = Vec::new();
-        for &quantity in &self.wanted {
-            let outer = self.outer(quantity);
-            if outer.width() == 0.0 || is_thin(self.believed[quantity]) {
-                continue;
-            }
-            let (below, above) = match self.inner(quantity) {
-                Some(inner) => {
-                    let allowed = (self.options.tightness - 1.0)
-                        * if self.wants_least() {
-                            inner.lo()
-                        } else {
-                            0.5 * inner.width()
-                        };
-                    let share = |gap: f64| {
-                        if gap <= 0.0 {
-                            0.0
-                        } else {
-                            gap / (allowed + 1e-300)
-                        }
-                    };
-                    (
-                        share(inner.lo() - outer.lo()),
-                        share(outer.hi() - inner.hi()),
-                    )
-                }
-                None => (f64::INFINITY, f64::INFINITY),
-            };
-            gaps.push((below, quantity, false));
-            if !self.wants_least() {
-                gaps.push((above, quantity, true));
-            }
+        let wanted = self.wanted.iter();
+        let gaps = wanted.flat_map(|quantity| {
+            let sides = [false, true].into_iter().zip(self.gap(*quantity));
+            let sides = sides.filter(|(upper, _)| !(*upper && self.wants_least()));
+            sides.map(|(upper, gap)| (gap, *quantity, upper))
+        });
+        gaps.collect()
+    }
+
+    /// The same below and above, of one of them that may be wide.
+    fn gap(&self, quantity: usize) -> Vec<f64> {
+        let outer = self.outer(quantity);
+        if outer.width() == 0.0 || is_thin(self.believed[quantity]) {
+            return Vec::new();
         }
-        gaps
+        let Some(inner) = self.inner(quantity) else {
+            return vec![f64::INFINITY; 2];
+        };
+        let allowed = (self.options.tightness - 1.0)
+            * if self.wants_least() {
+                inner.lo()
+            } else {
+                0.5 * inner.width()
+            };
+        let share = |gap: f64| {
+            if gap <= 0.0 {
+                0.0
+            } else {
+                gap / (allowed + 1e-300)
+            }
+        };
+        vec![
+            share(inner.lo() - outer.lo()),
+            share(outer.hi() - inner.hi()),
+        ]
     }
 
     /// The widths of bounds, as shares of what was believed.
@@ -666,6 +696,12 @@ impl<'a> Search<'a> {
         let gaps: Vec<_> = self.gaps().into_iter().filter(|gap| gap.0 > 1.0).collect();
         let position = |quantity| self.wanted.iter().position(|own| *own == quantity);
         let mut jobs = Vec::new();
+        if !self.state.had_all && !self.wants_least() {
+            self.state.had_all = true;
+            let passing = self.problem.told_params().into_iter();
+            let passing = passing.filter(|quantity| self.problem.params().contains(quantity));
+            jobs.extend(passing.filter(|own| position(*own).is_none()).map(Job::All));
+        }
         let mut ended = Vec::new();
         for (_, quantity, upper) in gaps {
             let Some(param) = position(quantity) else {
@@ -874,17 +910,13 @@ impl<'a> Search<'a> {
         } else {
             Conclusion::Consistent
         };
-        let gaps = self.gaps();
         let all_ended = self
             .state
             .leaves
             .iter()
             .all(|leaf| self.has_ended(&leaf.cell));
         let limits = params.iter().map(|&quantity| {
-            let is_tight = gaps
-                .iter()
-                .filter(|gap| gap.1 == quantity)
-                .all(|gap| gap.0 <= 1.0);
+            let is_tight = self.gap(quantity).into_iter().all(|gap| gap <= 1.0);
             if is_tight {
                 Limit::Record
             } else if self.is_full() {

@@ -147,7 +147,7 @@ impl Problem {
             let span = Span {
                 from,
                 until,
-                aim: Aim::Windows,
+                aim: Aim::Bounds,
                 go_on,
             };
             *passes += 1;
