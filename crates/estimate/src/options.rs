@@ -113,7 +113,7 @@ impl Default for ObserverOptions {
             rows: 128,
             replay: 8,
             history: 20_000,
-            budget: 1_000_000,
+            budget: 750_000,
         }
     }
 }
