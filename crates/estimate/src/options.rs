@@ -110,10 +110,10 @@ impl Default for ObserverOptions {
             step: StepOptions::default(),
             engine: Engine::Auto,
             method: Method::Boxes,
-            rows: 64,
+            rows: 128,
             replay: 8,
             history: 20_000,
-            budget: 1_000_000,
+            budget: 750_000,
         }
     }
 }

@@ -287,12 +287,13 @@ fn fewer_rows_leave_more() {
     }
 }
 
-/// No sample takes more than its budget and one piece of work, by count; without a budget some take more.
+/// No sample takes more than its budget and one piece of work, by count; without a budget some take more, and bounds at the end are not
+/// clearly narrower.
 #[test]
 fn no_sample_takes_more_than_its_budget() {
-    // Of a step near to a switch, with the polynomials of these models.
-    const PIECE: u64 = 1_500_000;
-    let (mut longest, mut wider) = (0, 0.0_f64);
+    // A moment of boxes near to a switch, with the polynomials of these models.
+    const PIECE: u64 = 400_000;
+    let (mut longest, mut wider, mut narrower) = (0, 0.0_f64, 0.0_f64);
     for round in 0..rounds(3) {
         let mut rng = Rng(number("VERIBOUND_SEED", 1) * 131 + round);
         let record = motor(&mut rng, 750, (true, true));
@@ -325,9 +326,13 @@ fn no_sample_takes_more_than_its_budget() {
             let widths: Vec<f64> = ends.iter().map(|left| left[param].width()).collect();
             println!("round {round}: {widths:?}");
             wider = wider.max(widths[1] / widths[0]);
+            narrower = narrower.max(widths[0] / widths[1]);
         }
     }
-    println!("without a budget {longest}; with one {wider} times as wide");
+    println!(
+        "without a budget {longest}; with one {wider} times as wide, or {narrower} times as narrow"
+    );
+    assert!(wider < 1.3 && narrower < 1.3, "{wider} {narrower}");
     assert!(longest > 2 * (1_000_000 + PIECE), "{longest}");
 }
 

@@ -13,7 +13,7 @@ use super::outliers::Doubtful;
 use super::problem::{Course, Moved, Problem, Value};
 use super::region::scales_of;
 use super::rows::{Affine, Rows, Scaled};
-use super::simplex::{Program, Side, minimum, refutes};
+use super::simplex::{Program, Side, Vertex, minimum, refutes};
 use serde::{Deserialize, Serialize};
 use veribound_flow::form::{Arriving, Form, FormOptions, Meeting, Parallelotope, Strip};
 use veribound_interval::Interval;
@@ -667,36 +667,47 @@ pub(crate) fn narrow(
     let mut program = Program::new(rows, part, Side::Outer);
     for v in unknowns {
         for sign in [1.0, -1.0] {
-            let mut direction = vec![0.0; part.len()];
-            direction[v] = sign;
-            let vertex = program.minimize(&direction);
-            let samples = || {
-                let rows_held = vertex.multipliers.iter();
-                let mut samples: Vec<(usize, usize)> =
-                    rows_held.map(|(row, _)| rows.origin(*row)).collect();
-                samples.sort_unstable();
-                samples.dedup();
-                samples
-            };
-            if vertex.is_impossible {
-                if refutes(rows, part, &vertex.multipliers) {
-                    return Err(Conflict::Rows { samples: samples() });
-                }
-                continue;
-            }
-            let least = minimum(rows, part, &direction, &vertex.multipliers);
-            let half = if sign > 0.0 {
-                Interval::new(least, f64::INFINITY)
-            } else {
-                Interval::new(f64::NEG_INFINITY, -least)
-            };
-            let narrowed = half.map_or(Interval::EMPTY, |half| part[v].intersect(half));
-            if narrowed.is_empty() {
-                return Err(Conflict::Rows { samples: samples() });
-            }
-            part[v] = narrowed;
-            program.narrow(v, narrowed);
+            narrow_end(&mut program, (rows, part), (v, sign))?;
         }
     }
     Ok(())
+}
+
+/// Narrows the lower end of an unknown (1), or its upper one (-1), by the program of these outer rows and this box; gives where it is,
+/// about.
+pub(crate) fn narrow_end(
+    program: &mut Program<'_>,
+    (rows, part): (&Rows, &mut [Interval]),
+    (v, sign): (usize, f64),
+) -> Result<Vertex, Conflict> {
+    let mut direction = vec![0.0; part.len()];
+    direction[v] = sign;
+    let vertex = program.minimize(&direction);
+    let samples = || {
+        let rows_held = vertex.multipliers.iter();
+        let mut samples: Vec<(usize, usize)> =
+            rows_held.map(|(row, _)| rows.origin(*row)).collect();
+        samples.sort_unstable();
+        samples.dedup();
+        samples
+    };
+    if vertex.is_impossible {
+        if refutes(rows, part, &vertex.multipliers) {
+            return Err(Conflict::Rows { samples: samples() });
+        }
+        return Ok(vertex);
+    }
+    let least = minimum(rows, part, &direction, &vertex.multipliers);
+    let half = if sign > 0.0 {
+        Interval::new(least, f64::INFINITY)
+    } else {
+        Interval::new(f64::NEG_INFINITY, -least)
+    };
+    let narrowed = half.map_or(Interval::EMPTY, |half| part[v].intersect(half));
+    if narrowed.is_empty() {
+        return Err(Conflict::Rows { samples: samples() });
+    }
+    part[v] = narrowed;
+    program.narrow(v, narrowed);
+    Ok(vertex)
 }

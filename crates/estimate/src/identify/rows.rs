@@ -4,6 +4,8 @@
     reason = "PROOF: every row has one slope per unknown, and one entry in each list"
 )]
 
+use std::cmp::Ordering;
+
 use serde::{Deserialize, Serialize};
 use veribound_flow::form::Strip;
 use veribound_interval::Interval;
@@ -179,6 +181,32 @@ impl Rows {
             let reach = Interval::symmetric(reach * (1.0 + 1e-12));
             !(reach.is_subset_of(rows.inner[row]) && reach.is_subset_of(rows.outer[row]))
         });
+    }
+
+    /// Leaves out the rows of which another one with the same slopes says no less by its outer bounds; what inner bounds say is lost.
+    pub(crate) fn leave_out_implied(&mut self) {
+        let by_slopes = |a: &usize, b: &usize| {
+            let pairs = self.slopes(*a).iter().zip(self.slopes(*b));
+            let mut orders = pairs.map(|(x, y)| x.total_cmp(y));
+            orders
+                .find(|order| order.is_ne())
+                .unwrap_or(Ordering::Equal)
+        };
+        let mut order: Vec<usize> = (0..self.len()).collect();
+        order.sort_by(by_slopes);
+        let mut is_kept = vec![false; self.len()];
+        for same in order.chunk_by(|a, b| by_slopes(a, b).is_eq()) {
+            // The first of them where several are alike.
+            let lo = |row: &&usize| self.outer[**row].lo();
+            let hi = |row: &&usize| self.outer[**row].hi();
+            let lower = same.iter().rev().max_by(|a, b| lo(a).total_cmp(&lo(b)));
+            let upper = same.iter().min_by(|a, b| hi(a).total_cmp(&hi(b)));
+            lower
+                .into_iter()
+                .chain(upper)
+                .for_each(|row| is_kept[*row] = true);
+        }
+        self.retain(|_, row| is_kept[row]);
     }
 
     /// Leaves out all rows but those that are wanted: what holds for some goes on to hold.
@@ -680,6 +708,40 @@ mod tests {
             assert!(value(&alone, 0, &at).intersects(alone.outer(0)));
         }
         assert!(cut > 100, "{cut}");
+    }
+
+    /// Of rows with the same slopes those are kept that say most, and others stay as they are.
+    #[test]
+    fn rows_that_others_imply_are_left_out() {
+        let mut rows = Rows::new(2);
+        let told = [
+            ([0.1, 0.2], (-0.2, 0.2)),
+            ([0.1, 0.3], (-0.9, 0.9)),
+            ([0.1, 0.2], (-0.1, 0.4)),
+            ([0.1, 0.2], (-0.3, 0.1)),
+            ([0.1, 0.2], (-0.1, 0.1)),
+            ([0.1, 0.2], (-0.1, 0.1)),
+            ([0.1, 0.3], (-0.2, 1.0)),
+        ];
+        for (k, (slopes, (lo, hi))) in told.into_iter().enumerate() {
+            rows.push(&slopes, Interval::ZERO, interval(lo, hi), k, 0);
+        }
+        let before = rows.clone();
+        rows.leave_out_implied();
+        let kept: Vec<usize> = (0..rows.len()).map(|row| rows.origin(row).0).collect();
+        assert_eq!(kept, [1, 2, 3, 6]);
+        for (row, origin) in kept.into_iter().enumerate() {
+            assert_eq!(rows.outer(row), before.outer(origin));
+            assert_eq!(rows.slopes(row), before.slopes(origin));
+        }
+        // The bounds of all together are the same.
+        for slopes in [[0.1, 0.2], [0.1, 0.3]] {
+            let all = |rows: &Rows| {
+                let same = (0..rows.len()).filter(|row| *rows.slopes(*row) == slopes);
+                same.fold(Interval::ENTIRE, |all, row| all.intersect(rows.outer(row)))
+            };
+            assert_eq!(all(&rows), all(&before));
+        }
     }
 
     #[test]

@@ -33,6 +33,9 @@ const NEGLIGIBLE: f64 = 1e-10;
 /// A vertex from which another program begins is where it should be up to this share of a row's size.
 const LOST: f64 = 1e-9;
 
+/// A number of a proof is an interval, which takes about so many times as long.
+const PROOF: usize = 8;
+
 /// Which side of rows a program respects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Side {
@@ -83,6 +86,8 @@ pub(crate) struct Program<'a> {
     /// The slopes of the chosen rows that are not zero, with their unknowns, and where each row's begin.
     sparse: Vec<(usize, f64)>,
     begins: Vec<usize>,
+    /// Numbers that were looked at since somebody asked.
+    work: usize,
 }
 
 impl<'a> Program<'a> {
@@ -99,6 +104,7 @@ impl<'a> Program<'a> {
             sizes: Vec::new(),
             sparse: Vec::new(),
             begins: vec![0],
+            work: rows.len() * part.len(),
         };
         let centre: Vec<(f64, f64)> = part.iter().map(|x| (x.mid(), x.rad())).collect();
         for row in 0..rows.len() {
@@ -138,9 +144,15 @@ impl<'a> Program<'a> {
         self.part[unknown] = part;
     }
 
+    /// Numbers that were looked at since this was asked last, those of proofs of what was found included: what it took, about.
+    pub(crate) fn took(&mut self) -> f64 {
+        std::mem::take(&mut self.work) as f64
+    }
+
     /// About the least `direction·δ`.
     pub(crate) fn minimize(&mut self, direction: &[f64]) -> Vertex {
         let n = self.part.len();
+        self.work += PROOF * n * (n + 1);
         let mut point = vec![0.0; n];
         if n == 0 {
             // Nothing is unknown.
@@ -156,6 +168,7 @@ impl<'a> Program<'a> {
             kept.unwrap_or_else(|| self.corner(direction, &mut point));
         let (mut shares, mut ratios) = (vec![0.0; n], Vec::with_capacity(n));
         for _ in 0..MOST_STEPS * (n + 1) {
+            self.work += (self.pool.len() + 4 * n) * n;
             let mut violated = self.most_violated(&point, &basis.tight);
             if violated.is_none() && self.collect(&point) {
                 violated = self.most_violated(&point, &basis.tight);
@@ -387,6 +400,7 @@ impl<'a> Program<'a> {
 
     /// Takes the rows that the point violates most into the pool, if there are any that are not in it.
     fn collect(&mut self, point: &[f64]) -> bool {
+        self.work += self.chosen.len() * point.len();
         let others = (0..self.chosen.len()).filter(|position| !self.is_pooled[*position]);
         let violations = others.map(|position| (self.violation(position, point).0, position));
         let mut violated: Vec<(f64, usize)> =

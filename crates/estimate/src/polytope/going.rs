@@ -57,11 +57,12 @@ impl Going {
         }
     }
 
-    /// Goes on as far as the allowance reaches, at most so many samples, keeping so many rows; it knows `most_known` samples ahead.
+    /// Goes on as far as the allowance reaches, at most so many samples, keeping so many rows; it knows `most_known` samples ahead, and
+    /// what is known of parameters when it sets out.
     pub(super) fn go_on(
         self,
         problem: &Arc<Problem>,
-        past: &Past,
+        (past, known): (&Past, &[Interval]),
         (limits, most_known): ((usize, usize), usize),
         allowance: &Arc<Allowance>,
     ) -> Next {
@@ -77,6 +78,7 @@ impl Going {
                     let stage = Stage::Stands(runner);
                     return Next::Rests(Going { at, newest, stage });
                 }
+                runner.learn(known);
                 let (problem, allowance) = (Arc::clone(problem), Arc::clone(allowance));
                 let past = past.from(at, most_known);
                 let way: Pin<Box<dyn Future<Output = Gone> + Send>> = Box::pin(async move {

@@ -217,7 +217,8 @@ impl Polytope {
     /// One set through some samples, as far as the allowance reaches; what goes on, and states at the newest sample.
     fn go(&mut self, set: Going) -> Result<(Option<Going>, Option<Vec<Interval>>), Refuted> {
         let limits = ((self.replay, self.rows), self.replay + PATIENCE);
-        let (gone, newest) = match set.go_on(&self.problem, &self.past, limits, &self.allowance) {
+        let told = (&self.past, &self.known[..]);
+        let (gone, newest) = match set.go_on(&self.problem, told, limits, &self.allowance) {
             Next::Rests(set) => return Ok((Some(set), None)),
             Next::Arrived(gone, newest) => (gone, newest),
         };

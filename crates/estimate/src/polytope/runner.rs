@@ -8,7 +8,9 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use super::past::Past;
 use crate::identify::cell::Cell;
-use crate::identify::pass::{BLURRED, HIDDEN, WORTHWHILE, beyond, contract, hold};
+use crate::identify::pass::{
+    BLURRED, Conflict, HIDDEN, WORTHWHILE, beyond, hold, narrow, narrow_end,
+};
 use crate::identify::problem::Problem;
 use crate::identify::region::{Region, scales_of};
 use crate::identify::rows::{Affine, Rows};
@@ -20,6 +22,9 @@ use veribound_interval::round::{sub_down, sub_up};
 /// A set that ends is moved anew, as far as it is left, where it came so many times as far as the last one.
 const FARTHER: f64 = 1.2;
 
+/// What is known of a parameter tells something where it is less than this share of what the set says.
+const TOLD: f64 = 0.9;
+
 /// A crossing may need so many samples ahead.
 pub(super) const PATIENCE: usize = 16;
 
@@ -29,8 +34,8 @@ const COST: u64 = 300_000;
 /// and the journey ends after so many times that.
 const MOST: u64 = 4;
 
-/// What a linear program takes, in products of coefficients for each number of its rows.
-const LINEAR: f64 = 80.0;
+/// What a number that a linear program looks at takes, in products of coefficients.
+const NUMBER: f64 = 4.0;
 
 /// What is not affine grew, from one sample to the next, by more than this factor and this share of a width where boxes had
 /// to go on for want of a crossing: with more samples ahead it may be proved.
@@ -39,6 +44,9 @@ const SHARE: f64 = 0.02;
 
 /// What a vertex may violate, as share of a row's size, before bounds are asked for anew.
 const TOLERANCE: f64 = 1e-9;
+
+/// and how far it may be outside of what unknowns may be.
+const OUTSIDE: f64 = 1e-6;
 
 /// A set on its way.
 pub(super) struct Runner {
@@ -54,7 +62,7 @@ pub(super) struct Runner {
     part: Vec<Interval>,
     /// Parameters that rows leave.
     params: Vec<Interval>,
-    /// About where quantities are least and largest, by the rows before `asked`.
+    /// About where every unknown, then every parameter, is least and largest, by the rows before `asked`; empty where nobody asked.
     vertices: Vec<Vec<f64>>,
     asked: usize,
     /// The last sample that told something, and the states there.
@@ -121,8 +129,8 @@ impl Runner {
             form,
             rows: Rows::new(unknowns),
             part,
+            vertices: vec![Vec::new(); 2 * (unknowns + params.len())],
             params,
-            vertices: Vec::new(),
             asked: 0,
             anchor: None,
             hidden: 0,
@@ -193,16 +201,16 @@ impl Runner {
         let states = match here {
             None => None,
             Some(strips) => {
-                let programs = 2 * strips.len();
-                allowance.spend(self.price_of(programs)).await;
                 let mut program = Program::new(&self.rows, &self.part, Side::Outer);
-                let mut around = |strip: &Strip| {
+                let mut states = Vec::with_capacity(strips.len());
+                for strip in &strips {
                     let rest = strip.remainder + Interval::point(strip.centre);
                     let reach = strip.slopes.iter().zip(&self.part);
                     let reach = reach.fold(rest, |sum, (g, x)| sum + Interval::point(*g) * *x);
-                    reach.intersect(program.bounds(&strip.slopes) + rest)
-                };
-                Some(strips.iter().map(&mut around).collect())
+                    states.push(reach.intersect(program.bounds(&strip.slopes) + rest));
+                    allowance.spend(NUMBER * program.took()).await;
+                }
+                Some(states)
             }
         };
         // Rows of samples that will be met again.
@@ -210,10 +218,9 @@ impl Runner {
         self.rows.truncate(found.rows);
         (self.form, self.at, self.anchor) = (found.form, found.at, found.anchor);
         self.hidden = found.hidden;
-        if self.is_told_more(rows) {
-            let programs = 2 * (self.part.len() + self.region.centre.len());
-            allowance.spend(self.price_of(programs)).await;
-            self.tighten(problem, rows)?;
+        self.tighten(allowance).await.map_err(|_| None)?;
+        if self.rows.len() > 2 * rows {
+            self.leave_out(rows);
         }
         self.asked = self.rows.len();
         // One that stands waits for more samples, as long as they may help.
@@ -229,9 +236,64 @@ impl Runner {
         Ok((fate, states))
     }
 
-    /// What so many linear programs take, in products of coefficients.
-    fn price_of(&self, programs: usize) -> f64 {
-        LINEAR * (programs * (self.rows.len() + 1) * self.part.len()) as f64
+    /// Parameters are in these intervals for all solutions that agree with the samples so far.
+    ///
+    /// Proof. A parameter is `c + Σ g_v δ_v`, up to the region's rest, so each `δ_v` lies in what is known less the others, divided by `g_v`.
+    pub(super) fn learn(&mut self, known: &[Interval]) {
+        for (param, known) in known.iter().enumerate() {
+            if known.width() > TOLD * self.params[param].width() {
+                continue;
+            }
+            let quantity = self.states() + param;
+            for (v, slope) in self.region.axes[quantity].iter().enumerate() {
+                if *slope == 0.0 {
+                    continue;
+                }
+                let pairs = self.region.axes[quantity]
+                    .iter()
+                    .zip(&self.part)
+                    .enumerate();
+                let others = pairs.filter(|(other, _)| *other != v);
+                let others = others.fold(self.region.offset(quantity), |sum, (_, (g, x))| {
+                    sum + Interval::point(*g) * *x
+                });
+                let left = (*known - others) / Interval::point(*slope);
+                // Rows are asked whether nothing is left.
+                let left = self.part[v].intersect(left);
+                if !left.is_empty() {
+                    self.part[v] = left;
+                }
+            }
+            bound(&mut self.params[param], *known);
+        }
+        self.shrink();
+    }
+
+    /// Goes over to unknowns of the unit box where much less of it is left.
+    fn shrink(&mut self) {
+        if self.part.iter().all(|part| part.rad() >= WORTHWHILE) {
+            return;
+        }
+        self.form.narrow(&self.part);
+        let by = scales_of(&self.part);
+        self.rows.rescale(&by);
+        self.region = self.region.rescaled(&by);
+        let states = self.anchor.iter_mut().flat_map(|(_, states)| states);
+        for affine in states {
+            affine.rescale(&[], &by);
+        }
+        for at in &mut self.vertices {
+            for (x, (middle, radius)) in at.iter_mut().zip(&by) {
+                let radius = radius.mid();
+                // Nothing depends on what is a point any more.
+                *x = if radius > 0.0 {
+                    (*x - middle.mid()) / radius
+                } else {
+                    0.0
+                };
+            }
+        }
+        self.part.fill(Interval::symmetric(1.0));
     }
 
     /// Whether there is a sample that it has not met, and may meet now that `newest` is known.
@@ -377,43 +439,85 @@ impl Runner {
         Ok((form, sight))
     }
 
-    /// Whether rows say more than when they were asked, or are more than twice so many as `most`.
-    fn is_told_more(&self, most: usize) -> bool {
-        let is_first = self.vertices.is_empty() && self.rows.len() > 0;
-        is_first || self.rows.len() > 2 * most || self.is_cut()
-    }
-
-    /// Narrows the unknowns, and leaves out the rows that say least if there are more than twice so many as `most`.
+    /// Narrows unknowns and parameters where a row that is new cuts off what was least or largest: elsewhere it says nothing.
     ///
     /// Errors: all rows together leave nothing.
-    fn tighten(&mut self, problem: &Problem, most: usize) -> Result<(), Option<Clash>> {
-        self.part = contract(&self.rows).map_err(|_| None)?;
-        if self.part.iter().any(|part| part.rad() < WORTHWHILE) {
-            self.form.narrow(&self.part);
-            let by = scales_of(&self.part);
-            self.rows.rescale(&by);
-            self.region = self.region.rescaled(&by);
-            let states = self.anchor.iter_mut().flat_map(|(_, states)| states);
-            for affine in states {
-                affine.rescale(&[], &by);
-            }
-            self.part.fill(Interval::symmetric(1.0));
+    async fn tighten(&mut self, allowance: &Allowance) -> Result<(), Conflict> {
+        let cut = self.cut();
+        if cut.is_empty() {
+            return Ok(());
         }
+        let (unknowns, before) = (self.part.len(), self.part.clone());
+        let mut program = Program::new(&self.rows, &self.part, Side::Outer);
+        for end in cut {
+            let sign = if end % 2 == 0 { 1.0 } else { -1.0 };
+            let vertex = match (end / 2).checked_sub(unknowns) {
+                None => {
+                    let all = (&self.rows, &mut self.part[..]);
+                    let narrowed = narrow_end(&mut program, all, (end / 2, sign));
+                    if narrowed.is_err() {
+                        // Rows are asked which of them it is, from here.
+                        self.part.clone_from(&before);
+                    }
+                    narrowed?
+                }
+                Some(param) => {
+                    let quantity = self.states() + param;
+                    let row = self.region.axes[quantity].iter();
+                    let direction: Vec<f64> = row.map(|x| sign * x).collect();
+                    let vertex = program.minimize(&direction);
+                    if !vertex.is_impossible {
+                        let least =
+                            minimum(&self.rows, &self.part, &direction, &vertex.multipliers);
+                        let half = Interval::new(least, f64::INFINITY).unwrap_or(Interval::ENTIRE);
+                        let half = half * Interval::point(sign) + self.region.offset(quantity);
+                        bound(&mut self.params[param], half);
+                    }
+                    vertex
+                }
+            };
+            self.vertices[end] = vertex.point;
+            allowance.spend(NUMBER * program.took()).await;
+        }
+        for param in 0..self.params.len() {
+            let quantity = self.states() + param;
+            let range = self.region.range(quantity, &self.part);
+            bound(&mut self.params[param], range);
+        }
+        self.shrink();
         self.rows.prune();
-        self.ask(problem);
-        if self.rows.len() > 2 * most {
-            self.leave_out(most);
-        }
         Ok(())
     }
 
-    /// Whether a row that is new cuts off where a quantity was least or largest.
-    fn is_cut(&self) -> bool {
-        (self.asked..self.rows.len()).any(|row| {
-            self.vertices
-                .iter()
-                .any(|at| self.slack(row, at) < -TOLERANCE)
-        })
+    /// Number of states in the region.
+    fn states(&self) -> usize {
+        self.region.centre.len() - self.params.len()
+    }
+
+    /// The ends of unknowns and parameters that rows since `asked` or what was learned cut off, or that nobody asked for. A parameter that follows one unknown
+    /// has no end of its own.
+    fn cut(&self) -> Vec<usize> {
+        let is_own = |end: &usize| match (end / 2).checked_sub(self.part.len()) {
+            None => true,
+            Some(param) => {
+                let row = self.region.axes[self.states() + param].iter();
+                row.filter(|x| **x != 0.0).count() > 1
+            }
+        };
+        let new = self.asked..self.rows.len();
+        let is_cut = |end: &usize| {
+            let at = &self.vertices[*end];
+            let mut pairs = at.iter().zip(&self.part);
+            let is_beyond =
+                |(x, part): (&f64, &Interval)| (*x - part.mid()).abs() > part.rad() + OUTSIDE;
+            let mut new = new.clone();
+            at.is_empty() || pairs.any(is_beyond) || new.any(|row| self.slack(row, at) < -TOLERANCE)
+        };
+        if new.is_empty() {
+            return Vec::new();
+        }
+        let ends = 0..self.vertices.len();
+        ends.filter(is_own).filter(is_cut).collect()
     }
 
     /// About how far a point is from the nearer end of a row, as share of the row's size; negative outside.
@@ -428,49 +532,28 @@ impl Runner {
         (value - outer.lo()).min(outer.hi() - value) / size
     }
 
-    /// Bounds of all quantities, and where they are least and largest.
-    fn ask(&mut self, problem: &Problem) {
-        let mut program = Program::new(&self.rows, &self.part, Side::Outer);
-        let states = problem.layout.states;
-        let mut vertices = Vec::new();
-        for quantity in 0..self.region.centre.len() {
-            let row = &self.region.axes[quantity];
-            let mut around = self.region.range(quantity, &self.part);
-            if row.iter().all(|x| *x == 0.0) {
-                continue;
-            }
-            for sign in [1.0, -1.0] {
-                let direction: Vec<f64> = row.iter().map(|x| sign * x).collect();
-                let vertex = program.minimize(&direction);
-                if vertex.is_impossible {
-                    continue;
+    /// Leaves out all rows but so many of those that are nearest to where an unknown or a parameter is least or largest: the nearest to
+    /// each, then the next ones.
+    fn leave_out(&mut self, most: usize) {
+        self.rows.leave_out_implied();
+        let asked = self.vertices.iter().filter(|at| !at.is_empty());
+        let nearest = asked.map(|at| {
+            let slacks = (0..self.rows.len()).map(|row| (self.slack(row, at), row));
+            let mut slacks: Vec<(f64, usize)> = slacks.collect();
+            slacks.sort_by(|(a, old), (b, new)| a.total_cmp(b).then(new.cmp(old)));
+            slacks
+        });
+        let nearest: Vec<Vec<(f64, usize)>> = nearest.collect();
+        let mut is_kept = vec![false; self.rows.len()];
+        let mut left = most;
+        for place in 0..self.rows.len() {
+            for (_, row) in nearest.iter().filter_map(|rows| rows.get(place)) {
+                if left > 0 && !is_kept[*row] {
+                    is_kept[*row] = true;
+                    left -= 1;
                 }
-                let least = minimum(&self.rows, &self.part, &direction, &vertex.multipliers);
-                vertices.push(vertex.point);
-                let half = Interval::new(least, f64::INFINITY).unwrap_or(Interval::ENTIRE);
-                let half = half * Interval::point(sign) + self.region.offset(quantity);
-                around = around.intersect(half);
-            }
-            if let Some(own) = quantity.checked_sub(states) {
-                // What is empty by rounding of the last digits proves nothing here: rows are asked for that.
-                let both = self.params[own].intersect(around);
-                self.params[own] = if both.is_empty() { around } else { both };
             }
         }
-        self.vertices = vertices;
-    }
-
-    /// Leaves out all rows but those that are nearest to where a quantity is least or largest.
-    fn leave_out(&mut self, most: usize) {
-        let nearest = |row: usize| {
-            let all = self.vertices.iter().map(|at| self.slack(row, at));
-            all.fold(f64::INFINITY, f64::min)
-        };
-        let slacks: Vec<f64> = (0..self.rows.len()).map(nearest).collect();
-        let mut order: Vec<usize> = (0..slacks.len()).collect();
-        order.sort_by(|a, b| slacks[*a].total_cmp(&slacks[*b]).then(b.cmp(a)));
-        let mut is_kept = vec![false; slacks.len()];
-        order.iter().take(most).for_each(|row| is_kept[*row] = true);
         self.rows.retain(|_, row| is_kept[row]);
     }
 
@@ -482,11 +565,14 @@ impl Runner {
             before.truncate(row);
             before
         };
-        let rows = 1..=self.rows.len();
-        let first = rows.take_while(|row| contract(&before(*row)).is_ok());
+        let leaves = |row: &usize| {
+            let mut part = self.part.clone();
+            narrow(&before(*row), &mut part, 0..unknowns).is_ok()
+        };
+        let first = (1..=self.rows.len()).take_while(leaves);
         let row = first.last().unwrap_or(0).min(self.rows.len() - 1);
-        let (whole, before) = (vec![Interval::symmetric(1.0); unknowns], before(row));
-        let bounds = Program::new(&before, &whole, Side::Outer).bounds(self.rows.slopes(row));
+        let before = before(row);
+        let bounds = Program::new(&before, &self.part, Side::Outer).bounds(self.rows.slopes(row));
         let (sample, quantity) = self.rows.origin(row);
         let told = past
             .told(sample as u64, quantity)
@@ -521,6 +607,13 @@ impl Runner {
         let is_bounded = box_.iter().all(|x| x.is_bounded());
         (is_bounded && *sample > self.base).then_some((*sample, box_))
     }
+}
+
+/// A parameter is in this interval, too.
+fn bound(param: &mut Interval, known: Interval) {
+    // What is empty by rounding of the last digits proves nothing here: rows are asked for that.
+    let both = param.intersect(known);
+    *param = if both.is_empty() { known } else { both };
 }
 
 /// Whether much more is not affine in some state than before.

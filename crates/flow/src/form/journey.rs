@@ -27,6 +27,7 @@ use super::set::Form;
 use super::several::{Ahead, Reach, Several};
 use super::step::{Arrival, End, Obstacle, Prepared, Scratch};
 use super::surfaces::Signs;
+use super::watching::{Look, Search, Trouble};
 use crate::step::Workspace;
 use veribound_interval::Interval;
 use veribound_model::Level;
@@ -45,7 +46,10 @@ const SLACK: f64 = 0.3;
 /// What a step takes, in multiplications of polynomials,
 const STEP: f64 = 4.0;
 
-/// and what a window takes in which signs are asked, in products for each coefficient.
+/// what one takes that was prepared before,
+const AHEAD: f64 = 2.0;
+
+/// and what a window takes in which a sign is asked, in products for each coefficient.
 const WINDOW: f64 = 40.0;
 
 /// A regime, compiled, with scratch for the form at hand.
@@ -388,7 +392,8 @@ impl<'a> Journey<'a> {
                 continue;
             }
             let known = self.proved.len();
-            self.spend(STEP).await;
+            let step = if self.ahead.is_some() { AHEAD } else { STEP };
+            self.spend(step).await;
             let mut moved = if (self.go_on)(&self.form) {
                 self.step_on().await
             } else {
@@ -661,16 +666,7 @@ impl<'a> Journey<'a> {
             Err(obstacle) => return Err(obstacle),
         };
         let span = prepared.bounds.span;
-        let steady = acting.steady(inputs);
-        let (trouble, windows) = acting.piece.trouble(
-            &acting.scratch,
-            &self.form.monomials,
-            (&acting.regime.watches, &steady),
-            span,
-        );
-        let coefficients = (self.form.monomials.len() * self.form.order) as f64;
-        let watched = WINDOW * windows as f64 * coefficients;
-        self.spend(watched / self.form.cost()).await;
+        let trouble = self.trouble(&acting, span).await;
         let Some(trouble) = trouble else {
             return self.move_whole(acting, &prepared);
         };
@@ -718,6 +714,32 @@ impl<'a> Journey<'a> {
         }
         self.mixed(Some((acting, takes * unit)), Obstacle::Jump)
             .await
+    }
+
+    /// The first time of a prepared step, up to `span`, at which something watched may change its sign, as of [`Search`].
+    async fn trouble(&self, acting: &Acting, span: f64) -> Option<Trouble> {
+        let monomials = &*self.form.monomials;
+        let place = (&*acting.piece, &acting.scratch, monomials);
+        let steady = acting.steady(self.inputs());
+        let coefficients = (monomials.len() * self.form.order) as f64;
+        let window = WINDOW * coefficients / self.form.cost();
+        let mut first: Option<Trouble> = None;
+        for (watch, asked) in acting.regime.watches.iter().enumerate() {
+            let end = first.map_or(span, |trouble| trouble.from);
+            let mut search = Search::new(place, (watch, asked.sign, steady[watch]), end);
+            loop {
+                self.spend(window).await;
+                match search.look() {
+                    Look::Open => {}
+                    Look::Calm => break,
+                    Look::Trouble(from) => {
+                        first = Some(Trouble { from, watch });
+                        break;
+                    }
+                }
+            }
+        }
+        first
     }
 
     /// The regime that is certain now, with all its kinks.

@@ -8,7 +8,6 @@ use super::monomials::Monomials;
 use super::outward::{UNIT, raised};
 use super::piece::{Piece, Probe};
 use super::range::{at_corner, is_above, range};
-use super::regime::Watch;
 use super::step::Scratch;
 use super::surfaces::Signs;
 use veribound_interval::Interval;
@@ -47,31 +46,99 @@ struct Near {
     within: Interval,
 }
 
-impl Piece {
-    /// The first time up to `span` at which something watched may change its sign, and how many windows were looked at.
-    ///
-    /// Guarantee: before it, for all solutions within the deviation of the prepared step, every watched
-    /// expression has its sign or moves towards it; one that is not `steady`, a function of the state
-    /// alone, has its sign.
-    pub(super) fn trouble(
-        &self,
-        scratch: &Scratch,
-        monomials: &Monomials,
-        (watches, steady): (&[Watch], &[bool]),
-        span: f64,
-    ) -> (Option<Trouble>, usize) {
-        let (mut first, mut windows): (Option<Trouble>, usize) = (None, 0);
-        for (watch, asked) in watches.iter().enumerate() {
-            let end = first.map_or(span, |trouble| trouble.from);
-            let asked = (watch, asked.sign, steady[watch]);
-            let (from, own) = self.first_trouble((scratch, monomials), asked, end);
-            first = from.map(|from| Trouble { from, watch }).or(first);
-            windows += own;
+/// A look for the first time up to `end` at which one watch may change its sign, window by window.
+///
+/// Guarantee: before it, for all solutions within the deviation of the prepared step, the watched
+/// expression has its sign or moves towards it; one that is not `steady`, a function of the state
+/// alone, has its sign.
+pub(super) struct Search<'a> {
+    place: (&'a Piece, &'a Scratch, &'a Monomials),
+    watch: usize,
+    sign: Signs,
+    steady: bool,
+    /// Until here there is none.
+    from: f64,
+    /// The next window,
+    length: f64,
+    /// which is twice as long again once both halves of one were safe.
+    is_second: bool,
+    end: f64,
+}
+
+/// What a window tells.
+pub(super) enum Look {
+    /// More have to be looked at.
+    Open,
+    /// There is no such time.
+    Calm,
+    /// It is this one, in scaled time.
+    Trouble(f64),
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(
+        place: (&'a Piece, &'a Scratch, &'a Monomials),
+        (watch, sign, steady): (usize, Signs, bool),
+        end: f64,
+    ) -> Search<'a> {
+        Search {
+            place,
+            watch,
+            sign,
+            steady,
+            from: 0.0,
+            length: end,
+            is_second: false,
+            end,
         }
-        (first, windows)
     }
 
-    /// Whether there is none of it, for one watch, which has to keep a sign.
+    /// Looks at one more window.
+    pub(super) fn look(&mut self) -> Look {
+        if self.from >= self.end {
+            return Look::Calm;
+        }
+        let to = if self.from + self.length >= self.end {
+            self.end
+        } else {
+            self.from + self.length
+        };
+        if self.is_safe(to) {
+            self.from = to;
+            self.length *= if self.is_second { 2.0 } else { 1.0 };
+            self.is_second = !self.is_second;
+        } else if self.length <= FINEST * self.end {
+            return Look::Trouble(self.from);
+        } else {
+            self.length *= 0.5;
+            self.is_second = false;
+        }
+        if self.from >= self.end {
+            Look::Calm
+        } else {
+            Look::Open
+        }
+    }
+
+    fn is_safe(&self, to: f64) -> bool {
+        let (piece, scratch, monomials) = self.place;
+        let (from, sign) = (self.from, self.sign);
+        let window = Interval::new(from, to).unwrap_or(Interval::ENTIRE);
+        let keeps = |register: usize| {
+            // What tells it at all times spares the rest.
+            if let Some(own) = Signs::strict(scratch.around(register)) {
+                return own == sign;
+            }
+            let loses = |time| piece.loses(scratch, monomials, (register, sign), time);
+            !loses(to) && !loses(from) && piece.keeps(scratch, monomials, (register, sign), window)
+        };
+        let probe = &piece.probes[self.watch];
+        keeps(probe.value) || (self.steady && keeps(probe.rate))
+    }
+}
+
+impl Piece {
+    /// Whether one watch keeps its sign, or moves towards it, until `end`; as of [`Search`].
     pub(super) fn is_calm(
         &self,
         place: (&Scratch, &Monomials),
@@ -80,55 +147,17 @@ impl Piece {
     ) -> bool {
         let probe = &self.probes[watch];
         let loses = |register: usize| self.loses(place.0, place.1, (register, sign), end);
-        let is_lost = loses(probe.value) && (!steady || loses(probe.rate));
-        !is_lost
-            && self
-                .first_trouble(place, (watch, sign, steady), end)
-                .0
-                .is_none()
-    }
-
-    /// As [`Piece::trouble`], for one watch, which has to keep a sign.
-    fn first_trouble(
-        &self,
-        (scratch, monomials): (&Scratch, &Monomials),
-        (watch, sign, steady): (usize, Signs, bool),
-        end: f64,
-    ) -> (Option<f64>, usize) {
-        let probe = &self.probes[watch];
-        let is_safe = |from: f64, to: f64| {
-            let window = Interval::new(from, to).unwrap_or(Interval::ENTIRE);
-            let keeps = |register: usize| {
-                let loses = |time| self.loses(scratch, monomials, (register, sign), time);
-                if loses(to) || loses(from) {
-                    return false;
-                }
-                self.keeps(scratch, monomials, (register, sign), window)
-            };
-            keeps(probe.value) || (steady && keeps(probe.rate))
-        };
-        let (mut from, mut length, mut windows) = (0.0, end, 0);
-        // Windows are twice as long again once both halves of one were safe.
-        let mut is_second = false;
-        while from < end {
-            let to = if from + length >= end {
-                end
-            } else {
-                from + length
-            };
-            windows += 1;
-            if is_safe(from, to) {
-                from = to;
-                length *= if is_second { 2.0 } else { 1.0 };
-                is_second = !is_second;
-            } else if length <= FINEST * end {
-                return (Some(from), windows);
-            } else {
-                length *= 0.5;
-                is_second = false;
+        if loses(probe.value) && (!steady || loses(probe.rate)) {
+            return false;
+        }
+        let mut search = Search::new((self, place.0, place.1), (watch, sign, steady), end);
+        loop {
+            match search.look() {
+                Look::Open => {}
+                Look::Calm => return true,
+                Look::Trouble(_) => return false,
             }
         }
-        (None, windows)
     }
 
     /// Whether bounds of a register at a time can only fail to have this sign, since they contain the value that some solution has there,
