@@ -102,6 +102,16 @@ pub(crate) struct Cell {
     pub(crate) deep: Option<Deepest>,
 }
 
+/// What rows leave of a region.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Left<'a> {
+    pub(crate) region: &'a Region,
+    /// Rows in its unknowns,
+    pub(crate) rows: &'a Rows,
+    /// and what these leave of the unknowns.
+    pub(crate) part: &'a [Interval],
+}
+
 /// What is known of the solutions of a region that agree with all records, if anything.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Known {
@@ -209,7 +219,7 @@ impl Problem {
             (region, known) = loop {
                 let told = self.told(&seen, &within, together);
                 let (mut cell, shrunk) = told.map_err(|found| clash(found, passes))?;
-                let (next, turned) = cell.smaller(may_turn);
+                let (next, turned) = cell.left().smaller(may_turn);
                 let has_ended = own == 0 && self.ends(&seen.reached);
                 // The rows of a tile, which does not turn, decide many others.
                 let most = if has_ended && may_turn {
@@ -238,7 +248,7 @@ impl Problem {
                     break (next, cell.junctions);
                 }
                 let turns = may_turn && !is_last && own > 0;
-                let Some(turned) = cell.compact(WIDEST).filter(|_| turns) else {
+                let Some(turned) = cell.left().compact(WIDEST).filter(|_| turns) else {
                     return Ok(Cell { passes, ..cell });
                 };
                 let states = cell.junctions.clone();
@@ -675,53 +685,13 @@ impl Cell {
         }
     }
 
-    /// The region that is left, turned along its rows where that makes it much smaller.
-    pub(crate) fn smaller(&self, may_turn: bool) -> (Region, bool) {
-        let upright = self.region.part(&self.part);
-        match self.compact(WIDER).filter(|_| may_turn) {
-            Some(turned) => (turned, true),
-            None => (upright, false),
+    /// What its rows leave of the region.
+    pub(crate) fn left(&self) -> Left<'_> {
+        Left {
+            region: &self.region,
+            rows: &self.rows,
+            part: &self.part,
         }
-    }
-
-    /// A parallelotope around what is left, if it is much smaller than the part of the region.
-    ///
-    /// A box around it is no wider than by a factor, since right-hand sides are asked on that.
-    fn compact(&self, wider: f64) -> Option<Region> {
-        let turned = self.turned(SMALLER)?;
-        let upright = self.region.part(&self.part).hull();
-        let pairs = upright.iter().zip(turned.hull());
-        let is_compact = pairs
-            .into_iter()
-            .all(|(before, after)| after.width() <= wider * before.width());
-        is_compact.then_some(turned)
-    }
-
-    /// A parallelotope around what is left, if it is at most so many times as large as the part of the region.
-    pub(crate) fn turned(&self, most: f64) -> Option<Region> {
-        let n = self.part.len();
-        if n < 2 {
-            return None;
-        }
-        // Rows in unknowns of which the part is the unit box.
-        let mut rows = self.rows.clone();
-        rows.rescale(&scales_of(&self.part));
-        let whole = vec![Interval::symmetric(1.0); n];
-        let matrix = information(&rows, &whole);
-        let columns = eigenvectors(n, &matrix);
-        let mut program = Program::new(&rows, &whole, Side::Outer);
-        let mut along = Vec::with_capacity(n);
-        for column in &columns {
-            along.push(program.bounds(column));
-        }
-        if !along.iter().all(|x| x.is_bounded()) {
-            return None;
-        }
-        let volume: f64 = along.iter().map(|x| x.rad()).product();
-        if volume > most {
-            return None;
-        }
-        self.region.part(&self.part).turned(&columns, &along)
     }
 
     /// Proved bounds of a quantity: those of the solutions that agree with all records.
@@ -864,6 +834,57 @@ impl Cell {
         };
         (whole.lo() < at && at < whole.hi())
             .then(|| Some([half(whole.lo(), at)?, half(at, whole.hi())?]))?
+    }
+}
+
+impl Left<'_> {
+    /// The region that is left, turned along its rows where that makes it much smaller.
+    pub(crate) fn smaller(self, may_turn: bool) -> (Region, bool) {
+        let upright = self.region.part(self.part);
+        match self.compact(WIDER).filter(|_| may_turn) {
+            Some(turned) => (turned, true),
+            None => (upright, false),
+        }
+    }
+
+    /// A parallelotope around what is left, if it is much smaller than the part of the region.
+    ///
+    /// A box around it is no wider than by a factor, since right-hand sides are asked on that.
+    fn compact(self, wider: f64) -> Option<Region> {
+        let turned = self.turned(SMALLER)?;
+        let upright = self.region.part(self.part).hull();
+        let pairs = upright.iter().zip(turned.hull());
+        let is_compact = pairs
+            .into_iter()
+            .all(|(before, after)| after.width() <= wider * before.width());
+        is_compact.then_some(turned)
+    }
+
+    /// A parallelotope around what is left, if it is at most so many times as large as the part of the region.
+    pub(crate) fn turned(self, most: f64) -> Option<Region> {
+        let n = self.part.len();
+        if n < 2 {
+            return None;
+        }
+        // Rows in unknowns of which the part is the unit box.
+        let mut rows = self.rows.clone();
+        rows.rescale(&scales_of(self.part));
+        let whole = vec![Interval::symmetric(1.0); n];
+        let matrix = information(&rows, &whole);
+        let columns = eigenvectors(n, &matrix);
+        let mut program = Program::new(&rows, &whole, Side::Outer);
+        let mut along = Vec::with_capacity(n);
+        for column in &columns {
+            along.push(program.bounds(column));
+        }
+        if !along.iter().all(|x| x.is_bounded()) {
+            return None;
+        }
+        let volume: f64 = along.iter().map(|x| x.rad()).product();
+        if volume > most {
+            return None;
+        }
+        self.region.part(self.part).turned(&columns, &along)
     }
 }
 

@@ -457,8 +457,8 @@ impl<'a> Paving<'a> {
         let mut passes = 0;
         for _ in 0..TURNS {
             let region = match &turned {
-                None => cell.turned(LARGER),
-                Some(turned) => turned.turned(SHRINKS),
+                None => cell.left().turned(LARGER),
+                Some(turned) => turned.left().turned(SHRINKS),
             };
             let Some(region) = region else { break };
             let spent = cell.passes + passes;

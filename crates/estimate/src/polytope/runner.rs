@@ -7,7 +7,7 @@
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use super::past::Past;
-use crate::identify::cell::Cell;
+use crate::identify::cell::Left;
 use crate::identify::pass::{
     BLURRED, Conflict, HIDDEN, WORTHWHILE, beyond, hold, narrow, narrow_end,
 };
@@ -168,18 +168,12 @@ impl Runner {
 
     /// The set that is left at its begin, and whether it was turned along what rows say.
     pub(super) fn smaller(&self) -> (Region, bool) {
-        let cell = Cell {
-            region: self.region.clone(),
-            rows: self.rows.clone(),
-            part: self.part.clone(),
-            is_complete: false,
-            curvature: Vec::new(),
-            passes: 0,
-            reached: Vec::new(),
-            junctions: Vec::new(),
-            deep: None,
+        let left = Left {
+            region: &self.region,
+            rows: &self.rows,
+            part: &self.part,
         };
-        cell.smaller(true)
+        left.smaller(true)
     }
 
     /// Goes on through at most `most` samples of `past`, which begins at its own, and keeps at most twice so many rows as `rows`;
