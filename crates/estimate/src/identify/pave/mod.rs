@@ -18,7 +18,7 @@ mod turn;
 use super::answer::{Progress, Reason, Status, Tile, Turned};
 use super::cell::{BELIEVED, Cell, Clash, Known};
 use super::frame::Frame;
-use super::pass::Conflict;
+use super::pass::{Conflict, GoOn};
 use super::problem::Problem;
 use super::region::Region;
 use super::rows::SEVERAL;
@@ -183,7 +183,7 @@ impl<'a> Paving<'a> {
         &mut self,
         (sets, memory): (usize, usize),
         save: &dyn Fn(&State),
-        go_on: &dyn Fn(&Progress) -> bool,
+        go_on: &(dyn Fn(&Progress) -> bool + Sync),
     ) -> bool {
         let mut waiting: Vec<Open> = Vec::new();
         while !self.state.is_spent
@@ -290,10 +290,12 @@ impl<'a> Paving<'a> {
     }
 
     /// What samples say of a tile, and of the same along other axes where it is much smaller there.
-    fn look_at(&self, open: &Open) -> Result<(Cell, Option<Cell>), Clash> {
-        let cell = self
-            .problem
-            .refine(self.region(open), Known::default(), false, &|| true)?;
+    fn look_at(&self, open: &Open, go_on: &GoOn<'_>) -> Result<(Cell, Option<Cell>), Clash> {
+        let refined = |region| {
+            let known = Known::default();
+            self.problem.refine(region, known, false, go_on)
+        };
+        let cell = refined(self.region(open))?;
         let notable = NOTABLE * (self.state.undecided + self.state.inside);
         if !self.may_turn || open.frame.is_some() || open.volume < notable {
             return Ok((cell, None));
@@ -305,12 +307,11 @@ impl<'a> Paving<'a> {
                 None => cell.turned(LARGER),
                 Some(turned) => turned.turned(SHRINKS),
             };
-            let Some(region) = region else { break };
+            let Some(region) = region.filter(|_| go_on()) else {
+                break;
+            };
             let spent = cell.passes + passes;
-            let next = self
-                .problem
-                .refine(region, Known::default(), false, &|| true);
-            let next = next.map_err(|clash| Clash {
+            let next = refined(region).map_err(|clash| Clash {
                 passes: spent + clash.passes,
                 ..clash
             })?;
@@ -325,17 +326,17 @@ impl<'a> Paving<'a> {
         &mut self,
         waiting: &mut Vec<Open>,
         sets: usize,
-        go_on: &dyn Fn(&Progress) -> bool,
+        go_on: &(dyn Fn(&Progress) -> bool + Sync),
     ) -> bool {
         if self.state.sets + waiting.len() > sets {
             self.state.is_spent = true;
             return true;
         }
-        let problem = self.problem;
         let paving = &*self;
+        let standing = self.progress();
         let cells: Vec<_> = waiting
             .par_iter()
-            .map(|open| paving.look_at(open))
+            .map(|open| paving.look_at(open, &|| go_on(&standing)))
             .collect();
         for (open, cell) in waiting.drain(..).zip(cells) {
             self.state.undecided -= open.volume;
@@ -353,12 +354,16 @@ impl<'a> Paving<'a> {
                 }
             }
         }
-        go_on(&Progress {
+        go_on(&self.progress())
+    }
+
+    fn progress(&self) -> Progress {
+        Progress {
             sets: self.state.sets,
             waiting: self.state.open.len(),
-            left: self.state.undecided / volume(&problem.prior),
+            left: self.state.undecided / volume(&self.problem.prior),
             tightness: f64::NAN,
-        })
+        }
     }
 
     /// Cuts off what the cell excludes; the rest is open, with the rows of the cell.
@@ -544,9 +549,9 @@ fn halves(params: &[Interval], axis: usize) -> Vec<Vec<Interval>> {
         .collect()
 }
 
-pub(crate) fn reason(record: usize, conflict: &Conflict) -> Reason {
+fn reason(record: usize, conflict: &Conflict) -> Reason {
     match conflict {
-        Conflict::Value { sample, .. } => Reason::Sample {
+        Conflict::Value { sample } => Reason::Sample {
             record,
             sample: *sample,
         },
