@@ -1,4 +1,6 @@
-//! Set-valued estimation: the observer over a list of boxes.
+//! Set-valued estimation: the observer over a list of boxes, with its verdicts, and identification over whole records ([`identify`]).
+//!
+//! All numbers are in the units that the model gives to its quantities, times in seconds.
 
 mod batch;
 mod cell;

@@ -762,6 +762,63 @@ fn a_set_can_be_ended_before_it_is_whole() {
     }
 }
 
+/// Looking for few samples that refute, and paving, end as soon as it is asked for, too: nothing that is told then is false.
+#[test]
+fn confirming_and_paving_can_be_ended() {
+    let text = "format = 1\nstates = [\"x\"]\ninit.x = 1\nparams.k = [0, 2]\nder.x = \"-k*x\"\noutputs.y = \"x +- 0.01\"\n";
+    let model = read("decay", text);
+    let course = |off: f64| {
+        let told = (0..=160).map(|n| {
+            let time = 0.0125 * f64::from(n);
+            let y = (-time).exp() + if n == 80 { off } else { 0.0 };
+            (time, Some(interval(y - 0.009, y + 0.009)))
+        });
+        [samples(&told.collect::<Vec<_>>(), &[])]
+    };
+    let paved = IdentifyOptions {
+        undecided: Some(0.01),
+        ..IdentifyOptions::default()
+    };
+    for (record, options) in [
+        (course(0.1), IdentifyOptions::default()),
+        (course(0.0), paved),
+    ] {
+        // Only pavings do not tell how near bounds are.
+        let paving = std::sync::atomic::AtomicUsize::new(0);
+        let asked_before = |most: usize| {
+            let asked = std::sync::atomic::AtomicUsize::new(0);
+            let found = identify(&model, &record, &options, &|standing| {
+                let is_paving = usize::from(standing.tightness.is_nan());
+                paving.fetch_add(is_paving, std::sync::atomic::Ordering::Relaxed);
+                asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed) < most
+            });
+            (found, asked.into_inner())
+        };
+        let (whole, all) = asked_before(usize::MAX);
+        let is_refuted = matches!(&whole.conclusion, Conclusion::Inconsistent(refuted) if !refuted.samples.is_empty());
+        assert_eq!(is_refuted, options.undecided.is_none());
+        // Tiles are asked on their way.
+        assert!(is_refuted || paving.load(std::sync::atomic::Ordering::Relaxed) > whole.sets);
+        for most in (0..all).rev().take(10) {
+            let (found, asked) = asked_before(most);
+            assert_eq!((found.interrupted, asked), (true, most + 1));
+            match found.conclusion {
+                Conclusion::Inconsistent(refuted) => {
+                    assert!(is_refuted && refuted.samples.is_empty(), "{most} of {all}");
+                }
+                Conclusion::Consistent => assert!(!is_refuted),
+                Conclusion::Undecided => {}
+            }
+            if options.undecided.is_some() {
+                covers(&found.tiles, &[interval(0.0, 2.0)]);
+                let is_lost =
+                    |tile: &Tile| tile.status == Status::Outside && tile.params[0].contains(1.0);
+                assert!(!found.tiles.iter().any(is_lost));
+            }
+        }
+    }
+}
+
 /// What rests is measured at 0 and at 1 with errors of 0.1: five times as much is needed, and enough.
 #[test]
 fn the_least_error_of_two_measurements_of_one_thing() {

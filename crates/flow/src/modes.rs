@@ -2,6 +2,10 @@
 
 use std::ops::Range;
 use veribound_interval::lanes::{LANES, Mask};
+use veribound_model::MOST_MODES;
+
+/// Numbers that have a bit for every mode that a model can have.
+const WORDS: usize = MOST_MODES.div_ceil(u64::BITS as usize);
 
 /// A set of modes of one model, by their position in [`veribound_model::Model::modes`].
 ///
@@ -15,16 +19,13 @@ use veribound_interval::lanes::{LANES, Mask};
 /// assert_eq!(modes.iter().collect::<Vec<_>>(), [2, 200]);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub struct ModeSet([u64; 4]);
+pub struct ModeSet([u64; WORDS]);
 
 impl ModeSet {
-    /// The largest number of modes a model can have.
-    pub const CAPACITY: usize = 256;
-
     /// No mode.
-    pub const EMPTY: ModeSet = ModeSet([0; 4]);
+    pub const EMPTY: ModeSet = ModeSet([0; WORDS]);
 
-    /// Adds a mode; positions beyond the capacity cannot occur in a compiled system.
+    /// Adds a mode; no model has one at a position from [`MOST_MODES`] on.
     pub fn insert(&mut self, mode: usize) {
         if let Some(word) = self.0.get_mut(mode / 64) {
             *word |= 1 << (mode % 64);

@@ -20,6 +20,7 @@ pub mod units;
 pub use coverage::{Doubt, Overlap, Overlaps};
 pub use diagnostic::{Diagnostic, Diagnostics, SourceText};
 pub use facts::{Facts, ModeFacts};
+pub use file::MOST_MODES;
 pub use graph::{Binary, Choice, ExprId, Graph, Level, Names, Node, Unary, Var};
 pub use model::{
     Coverage, ErrorBound, Guard, Hold, Input, Jump, Mode, ModeGroup, Model, Outliers, Output,

@@ -379,7 +379,7 @@ pub struct Identified {
     pub passes: usize,
     /// Whether it ended because it was asked to.
     pub interrupted: bool,
-    /// What limits the bounds: for every parameter, in words for the user's names.
+    /// What limits the bounds, one entry per parameter.
     pub limits: Vec<Limit>,
 }
 

@@ -5,6 +5,7 @@
 
 use super::answer::{Conclusion, IdentifyOptions, LeastError, Progress};
 use super::held::is_wide;
+use super::pave::Paved;
 use super::problem::Problem;
 use super::rows::{READ, widened};
 use super::search::Search;
@@ -19,6 +20,9 @@ const LARGER: f64 = 4.0;
 
 /// Factors above this, and below its inverse, are not tried.
 const LARGEST: f64 = 1e6;
+
+/// More than rounding adds to an interval that is widened, and to what compares it with the exact one, as share of the factor.
+const ROUNDED: f64 = 1e-11;
 
 /// Most factors that are tried.
 const TRIES: usize = 24;
@@ -144,7 +148,7 @@ impl Trial<'_> {
         let (state, left) = prepared(&mut problem, (self.model, &wider), &self.options, &keep);
         let mut search = Search::with(&problem, &self.options, state);
         search.begin(left, &keep);
-        let ended = search.answer(super::pave::Paved::default());
+        let ended = search.answer(Paved::default());
         self.found.sets += ended.sets;
         self.found.passes += ended.passes;
         self.found.interrupted = ended.interrupted;
@@ -152,7 +156,7 @@ impl Trial<'_> {
         let (lo, hi) = match ended.conclusion {
             Conclusion::Inconsistent(_) => (factor.max(known.lo()), known.hi()),
             Conclusion::Consistent => {
-                let enough = mul_up(factor, add_up(1.0 + 1e-11, self.slack));
+                let enough = mul_up(factor, add_up(1.0 + ROUNDED, self.slack));
                 let enough = add_up(enough, self.slack);
                 if enough < known.hi() {
                     self.found.point = ended.points.first().cloned();

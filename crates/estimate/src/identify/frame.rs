@@ -50,9 +50,7 @@ impl Frame {
     /// assert!(inner[0].contains(1.49) && !inner[0].contains(1.51));
     /// ```
     pub fn inner_box(&self, unknowns: &[Interval]) -> Option<Vec<Interval>> {
-        let open: Vec<usize> = (0..self.axes.len())
-            .filter(|p| self.axes[*p].iter().any(|x| *x != 0.0))
-            .collect();
+        let open = open(&self.axes);
         let matrix: Vec<&[f64]> = open.iter().map(|p| self.axes[*p].as_slice()).collect();
         if open.len() != unknowns.len() {
             return None;
@@ -92,16 +90,19 @@ impl Frame {
     /// Encloses the volume of the parameters that belong to these unknowns. Parameters that no axis changes do not count;
     /// nothing is told where there are not as many axes as others.
     pub fn volume(&self, unknowns: &[Interval]) -> Interval {
-        let rows = self.axes.iter();
-        let open: Vec<&[f64]> = rows
-            .filter(|row| row.iter().any(|x| *x != 0.0))
-            .map(Vec::as_slice)
-            .collect();
+        let open = open(&self.axes).into_iter();
+        let open: Vec<&[f64]> = open.map(|p| self.axes[p].as_slice()).collect();
         let widths = unknowns
             .iter()
             .map(|y| Interval::point(y.hi()) - Interval::point(y.lo()));
         widths.fold(determinant(&open), |volume, width| volume * width)
     }
+}
+
+/// The parameters that some axis changes.
+pub(super) fn open(axes: &[Vec<f64>]) -> Vec<usize> {
+    let is_open = |p: &usize| axes[*p].iter().any(|slope| *slope != 0.0);
+    (0..axes.len()).filter(is_open).collect()
 }
 
 /// Rows and columns of a square matrix as multiples of powers of two, with which its entries are near one.

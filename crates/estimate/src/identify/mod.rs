@@ -111,9 +111,11 @@ pub fn resume(
             }
             None => Paved::default(),
         };
+        let standing = search.progress();
         let mut found = search.answer(tiles);
         if let Conclusion::Inconsistent(refuted) = found.conclusion {
-            found.conclusion = problem.confirm(refuted);
+            found.conclusion = problem.confirm(refuted, &|| keep.goes_on(&standing));
+            found.interrupted |= keep.has_ended();
         }
         Ok(found)
     };

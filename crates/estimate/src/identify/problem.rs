@@ -11,6 +11,7 @@ use super::answer::{Conclusion, Refuted};
 use super::balances::Balances;
 use super::cell::Known;
 use super::held::Held;
+use super::pass::GoOn;
 use super::region::Region;
 use crate::signals::Signals;
 use veribound_flow::form::{Flow, Output, Stretch};
@@ -373,8 +374,7 @@ impl Problem {
         let outputs = model.outputs.iter().map(|output| output.expr);
         let zeros = model.signals.iter().flat_map(|signal| &signal.proves_zero);
         let told: Vec<Var> = outputs
-            .clone()
-            .chain(zeros.clone().copied())
+            .chain(zeros.copied())
             .flat_map(|expr| model.graph.variables(expr))
             .collect();
         let params = 0..model.params.len();
@@ -424,8 +424,8 @@ impl Problem {
     /// Looks for few samples of one record that refute the model together, those of `found` first.
     ///
     /// Guarantee: the samples named refute the model without any other, since that was proved once more with them
-    /// alone.
-    pub(crate) fn confirm(mut self, found: Refuted) -> Conclusion {
+    /// alone. None is named where `go_on` denies it on the way.
+    pub(crate) fn confirm(mut self, found: Refuted, go_on: &GoOn<'_>) -> Conclusion {
         let whole = std::mem::take(&mut self.courses);
         // All samples are in these.
         self.balances = None;
@@ -442,10 +442,7 @@ impl Problem {
             });
             self.courses = only.collect();
             let prior = Region::of_box(&self.believed());
-            left > 0
-                && self
-                    .refine(prior, Known::default(), true, &|| true)
-                    .is_err()
+            left > 0 && go_on() && self.refine(prior, Known::default(), true, go_on).is_err()
         };
         let all: Vec<usize> = (0..count).collect();
         let begin = [found.samples, all]

@@ -6,7 +6,7 @@
 //! 1967).
 #![allow(
     clippy::indexing_slicing,
-    reason = "PROOF: one row of axes per quantity, one entry per axis"
+    reason = "PROOF: one row of axes per quantity, one entry per axis; one interval for all that is told, one parameter of the user per ratio"
 )]
 
 use super::cell::{BELIEVED, Cell};

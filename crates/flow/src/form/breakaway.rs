@@ -18,7 +18,7 @@ use super::creeping::Creep;
 use super::journey::Journey;
 use super::merging::Share;
 use super::outward::raised;
-use super::parting::{Portion, Undecided, ends};
+use super::parting::{CLEAR, Portion, Undecided, ends};
 use super::passing::Passing;
 use super::range::range;
 use super::regime::Regime;
@@ -44,9 +44,6 @@ const OUTLOOK: f64 = 16.0;
 /// The border of those that leave a rest is at least and at most so wide a share of one unknown.
 const BORDER: f64 = 1.0 / 16_384.0;
 const BROAD: f64 = 1.0 / 256.0;
-
-/// The border is so much wider than what is not known of the values.
-const CLEAR: f64 = 16.0;
 
 /// Those that leave are cut in slices, each so much wider than the one nearer to the border, where they do not move alike.
 const DOUBLE: f64 = 2.0;

@@ -47,6 +47,7 @@ use super::set::Form;
 use super::step::{Arrival, End, Prepared};
 use super::surfaces::Signs;
 use veribound_interval::Interval;
+use veribound_interval::round::{add_up, sub_down, sub_up};
 use veribound_model::Level;
 
 /// Windows are longer than they should have to be by the first share, or else by the second.
@@ -155,7 +156,7 @@ impl Journey<'_> {
             .fold(left_over, |sum, (slope, d)| sum + *slope * *d);
         // Seconds between a crossing and the time computed for it.
         let apart = (off / speed).mag();
-        if (times * Interval::point(unit)).hi() + apart > span * unit {
+        if add_up((times * Interval::point(unit)).hi(), apart) > span * unit {
             return None;
         }
         let passage = self.passage((&*acting, &inputs), asked, (&arrival, &deviation), apart);
@@ -195,9 +196,10 @@ impl Journey<'_> {
         let creep = match &passage.leaving {
             None => None,
             Some(leaving) => {
-                let first = (times.lo() * unit - apart).max(0.0);
+                // Times are long beside what is between them: their difference is rounded outward, not raised.
+                let first = sub_down(times.lo() * unit, apart).max(0.0);
                 let creep = Creep::new(&next, leaving.clone(), landing.clone())?;
-                let since = raised(moved.hi() - first, 1);
+                let since = sub_up(moved.hi(), first);
                 Some(self.crept(creep, &inputs, since)?)
             }
         };

@@ -33,8 +33,8 @@ use veribound_interval::Interval;
 /// The border is at least so small a share of all values.
 const THIN: f64 = 1.0 / 1_048_576.0;
 
-/// The border is so much wider than what is not known of the values.
-const CLEAR: f64 = 16.0;
+/// A border is so much wider than what is not known of the values.
+pub(super) const CLEAR: f64 = 16.0;
 
 /// Nothing is gained where the border is a larger share of all values.
 const THICK: f64 = 0.25;

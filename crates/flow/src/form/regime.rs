@@ -21,7 +21,8 @@
 //! watched, as any other expression.
 #![allow(
     clippy::indexing_slicing,
-    reason = "PROOF: surfaces, modes, groups and states are named by positions in the model's lists"
+    reason = "PROOF: surfaces, modes, groups and states are named by positions in the model's lists; modes of a group govern the same states, \
+        and one of them at least acts on what is held"
 )]
 
 use std::ops::Range;

@@ -33,6 +33,7 @@ use super::step::{End, Prepared};
 use super::surfaces::Signs;
 use crate::modes::ModeSet;
 use veribound_interval::Interval;
+use veribound_interval::round::add_up;
 
 /// A crossing that takes more stretches is not divided.
 const MOST: usize = 24;
@@ -284,7 +285,7 @@ impl Journey<'_> {
         scaled[0] += raised(2.0 * about.mag() / unit, 4) + 4.0 * f64::EPSILON * last;
         let (arrival, deviation, left_over, late) = late(&scaled)?;
         let apart = late.hi();
-        if late.lo() <= 0.0 || self.left.hi() + apart > last * unit {
+        if late.lo() <= 0.0 || add_up(self.left.hi(), apart) > last * unit {
             return None;
         }
         let passage = self.passage((acting, inputs), asked, (&arrival, &deviation), apart);

@@ -196,11 +196,9 @@ fn split(x: Interval) -> Option<(f64, f64)> {
 pub(super) fn usual_degree(unknowns: usize) -> usize {
     match unknowns {
         0 => 0,
-        1 => 8,
-        2 => 8,
+        1..=2 => 8,
         3 => 4,
-        4..=5 => 3,
-        6..=8 => 3,
+        4..=8 => 3,
         9..=12 => 2,
         _ => 1,
     }

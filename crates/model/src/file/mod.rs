@@ -29,6 +29,8 @@ use std::path::Path;
 use std::sync::Arc;
 use toml::de::{DeTable, DeValue};
 
+pub use modes::MOST_MODES;
+
 /// Longer files are no models written by hand.
 pub(crate) const LARGEST_FILE: usize = 1 << 18;
 /// More entries in one section are a mistake.

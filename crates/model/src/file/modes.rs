@@ -14,8 +14,8 @@ use crate::graph::{ExprId, Graph, Unary, Var};
 use crate::model::{Guard, Mode, Relation};
 use num_traits::Zero;
 
-/// More modes than this are refused: five frictions that multiply, or eighty that do not.
-pub(crate) const MOST_MODES: usize = 243;
+/// A model with more modes than this is refused: five frictions that multiply, or eighty that do not.
+pub const MOST_MODES: usize = 243;
 
 /// One way a set-valued function can be.
 struct Branch {
