@@ -78,8 +78,8 @@ fn unreadable_paths() {
     assert_eq!(
         record.render(false),
         "error[E0103]: the file is not valid TOML: key with no value, expected `=`\n --> run.csv:1:2\n  |\n\
-         1 | t,F,x_m\n  |  ^ here\n  |\n  = help: this looks like a record; the model comes first: \
-         veribound observe MODEL RECORD\n"
+         1 | t,F,x_m\n  |  ^ here\n  |\n  = help: this looks like a record; give the model first, then \
+         the record\n"
     );
 }
 

@@ -498,8 +498,18 @@ fn no_samples(
         return Diagnostic::new("E0403", format!("`{name}` has a header but no samples"))
             .help("write one line per sample below the header");
     };
+    if let (Some(from), Some(to)) = (&options.from, &options.to)
+        && from > to
+    {
+        let message = format!("the window from {from} s to {to} s ends before it begins");
+        return Diagnostic::new("E0416", message).help(format!(
+            "take the smaller time for `--from` and the larger for `--to`; the time of `{name}` runs from {first} s \
+             to {last} s"
+        ));
+    }
     let from = options.from.as_ref().map(|from| format!(" from {from} s"));
-    let to = options.to.as_ref().map(|to| format!(" to {to} s"));
+    let until = if from.is_some() { "to" } else { "up to" };
+    let to = options.to.as_ref().map(|to| format!(" {until} {to} s"));
     Diagnostic::new(
         "E0416",
         format!(

@@ -145,7 +145,7 @@ fn document(reader: &mut Reader, source: &Arc<SourceText>) -> Option<Model> {
             .extension()
             .is_some_and(|end| end.eq_ignore_ascii_case("csv"));
         let help = if is_record {
-            "this looks like a record; the model comes first: veribound observe MODEL RECORD"
+            "this looks like a record; give the model first, then the record"
         } else if is_duplicate {
             "keep one of the two"
         } else if error.message().contains("table") || error.message().contains("comma") {

@@ -2,7 +2,7 @@
 
 use super::flags::{
     Assignment, ColumnFlag, ErrorBoundFlag, ErrorFlag, InputErrorFlag, PlaneFlag, ResetFlag,
-    ZoomFlag, decimal, not_negative, positive,
+    ZoomFlag, any_count, decimal, not_negative, positive, whole,
 };
 pub use super::identify::arguments::Identify;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -261,7 +261,8 @@ pub struct Method {
         long,
         value_name = "SAMPLES,...",
         value_delimiter = ',',
-        default_value = "4,16,64"
+        default_value = "4,16,64",
+        value_parser = any_count
     )]
     pub windows: Vec<u64>,
     /// Split a switching state into three while several modes are possible
@@ -279,7 +280,8 @@ pub struct Method {
           value_parser = count_up_to(1, 12))]
     pub order: usize,
     /// How often a step that cannot be proved may be halved
-    #[arg(long, value_name = "N", default_value_t = ObserverOptions::default().step.halvings)]
+    #[arg(long, value_name = "N", default_value_t = ObserverOptions::default().step.halvings,
+          value_parser = |text: &str| whole(text, 0, u32::MAX))]
     pub halvings: u32,
     /// Longest single step; longer gaps between samples are divided
     #[arg(long, value_name = "SECONDS", default_value_t = ObserverOptions::default().step.longest,
@@ -450,7 +452,7 @@ pub struct Simulate {
     #[arg(long)]
     pub random: bool,
     /// Chooses the errors, and what is drawn
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = any_count)]
     pub seed: u64,
     /// Decimal places of the written outputs
     #[arg(long, value_name = "N", default_value_t = 4,
@@ -506,7 +508,7 @@ pub struct Enclose {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = count_up_to(0, 1_000_000))]
     pub sample: usize,
     /// Chooses the trajectories
-    #[arg(long, value_name = "N", default_value_t = 1)]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = any_count)]
     pub seed: u64,
     /// The two states of the phase plane; auto takes a state with its rate
     #[arg(long, value_name = "X,Y|auto|off", default_value = "auto")]
@@ -618,16 +620,16 @@ impl Method {
 }
 
 /// A whole number from `least` on.
-pub fn count(least: u64) -> impl clap::builder::TypedValueParser<Value = usize> {
+pub fn count(least: u64) -> impl Fn(&str) -> Result<usize, String> + Clone + Send + Sync {
     count_up_to(least, 1_000_000)
 }
 
 /// A whole number in a range.
-fn count_up_to(least: u64, most: u64) -> impl clap::builder::TypedValueParser<Value = usize> {
-    use clap::builder::TypedValueParser;
-    clap::value_parser!(u64)
-        .range(least..=most)
-        .map(|count| count as usize)
+fn count_up_to(
+    least: u64,
+    most: u64,
+) -> impl Fn(&str) -> Result<usize, String> + Clone + Send + Sync {
+    move |text| whole(text, least, most).map(|count| count as usize)
 }
 
 #[cfg(test)]
@@ -657,6 +659,44 @@ mod tests {
             Arguments::try_parse_from(words).is_ok()
         };
         assert!(more("1000000000") && more("1") && !more("0") && !more("-1"));
+    }
+
+    /// Wherever a whole number is asked for, the message says so, and which ones there are.
+    #[test]
+    fn what_is_no_whole_number_is_told_what_is_expected() {
+        let said = |flag: &str, value: &str| {
+            let typed = format!("{flag}={value}");
+            let words = [
+                "veribound",
+                "observe",
+                "m.toml",
+                "r.csv",
+                "-o",
+                "out",
+                &typed,
+            ];
+            match Arguments::try_parse_from(words) {
+                Err(error) => error.to_string(),
+                Ok(_) => panic!("{typed} is taken"),
+            }
+        };
+        let counts = [
+            ("--boxes", "from 1 to 1000000"),
+            ("--bisections", "from 0 to 1000000"),
+            ("--order", "from 1 to 12"),
+            ("--halvings", "from 0 to 4294967295"),
+            ("--windows", "from 0 to 18446744073709551615"),
+            ("--budget", "from 1 to "),
+        ];
+        for (flag, range) in counts {
+            for value in ["abc", "", "-1", "1.5", "99999999999999999999"] {
+                let said = said(flag, value);
+                let wanted = format!("expected a whole number {range}");
+                assert!(said.contains(&wanted) && said.contains(flag), "{said}");
+            }
+        }
+        let said = said("--to", "abc");
+        assert!(said.contains("expected a number, as in 0.1"), "{said}");
     }
 
     #[test]

@@ -8,7 +8,24 @@ use veribound_model::Hold;
 
 /// A number on the command line, taken as the decimal it spells.
 pub fn decimal(text: &str) -> Result<Decimal, String> {
-    Decimal::parse(text).map_err(|error| error.to_string())
+    Decimal::parse(text).map_err(|error| format!("expected a number, as in 0.1: {error}"))
+}
+
+/// A whole number in a range.
+pub fn whole<N: FromStr + PartialOrd + fmt::Display>(
+    text: &str,
+    least: N,
+    most: N,
+) -> Result<N, String> {
+    match text.parse::<N>() {
+        Ok(count) if (&least..=&most).contains(&&count) => Ok(count),
+        _ => Err(format!("expected a whole number from {least} to {most}")),
+    }
+}
+
+/// A whole number.
+pub fn any_count(text: &str) -> Result<u64, String> {
+    whole(text, 0, u64::MAX)
 }
 
 /// A setting that is a number above zero.

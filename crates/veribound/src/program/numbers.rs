@@ -27,15 +27,19 @@ pub fn show_inside(bounds: Interval, prior: Interval) -> String {
     in_brackets(inside_prior(readable(bounds), bounds, prior))
 }
 
-/// What is proved to be reached, rounded inward; nothing where nothing is.
-pub fn show_reached(inner: Option<Interval>) -> String {
+/// From so many times on, what is reached is a point beside what may be.
+const POINT: f64 = 1e6;
+
+/// What is proved to be reached, rounded inward, where the outer bounds are `tightness` times as wide at most;
+/// nothing where nothing is.
+pub fn show_reached(inner: Option<Interval>, tightness: f64) -> String {
     let Some(inner) = inner.filter(|inner| !inner.is_empty()) else {
         return String::new();
     };
     match readable_inside(inner) {
-        Some(ends) => in_brackets(ends),
+        Some(ends) if inner.is_point() || tightness < POINT => in_brackets(ends),
         // One point, or two so near that no short decimal lies between them.
-        None => format!("about {}", lower(inner.mid(), 6)),
+        _ => format!("about {}", lower(inner.mid(), 6)),
     }
 }
 
@@ -57,9 +61,9 @@ pub fn counted(number: usize, one: &str, many: &str) -> String {
     format!("{number} {what}")
 }
 
-/// How many times wider than possible bounds are at most; nothing where that is not known.
+/// How many times wider than possible bounds are at most; nothing where that is not known, or one point alone is reached.
 pub fn show_times(tightness: f64) -> String {
-    if tightness.is_finite() {
+    if tightness < POINT {
         format!("{} x", upper(tightness, 4))
     } else {
         String::new()
@@ -139,12 +143,15 @@ mod tests {
 
     #[test]
     fn what_is_reached_is_not_shown_wider() {
-        let of = |lo, hi| show_reached(Interval::new(lo, hi));
+        let of = |lo, hi| show_reached(Interval::new(lo, hi), 1.5);
         assert_eq!(of(-2.652_81, -1.537_49), "[-2.65, -1.54]");
         assert_eq!(of(199.991_21, 200.015_09), "[199.9913, 200.015]");
         assert_eq!(of(0.5, 0.5), "0.5");
         assert_eq!(of(0.1, 0.1), "about 0.1");
-        assert_eq!(show_reached(None), "");
+        assert_eq!(show_reached(None, 1.5), "");
+        let two = Interval::new(-0.000_599_999_2, -0.000_599_997_4);
+        assert_eq!(show_reached(two, 1.1e8), "about -0.000599999");
+        assert_eq!(show_times(1.1e8), "");
         assert_eq!(show_times(1.041_23), "1.042 x");
         assert_eq!(show_times(f64::INFINITY), "");
     }

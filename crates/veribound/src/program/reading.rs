@@ -2,6 +2,7 @@
 
 use super::arguments::Reading;
 use super::message;
+use super::numbers::show_time;
 use veribound_data::{Record, RecordOptions, TableSource};
 use veribound_model::diagnostic::Diagnostics;
 use veribound_model::{Coverage, Model};
@@ -35,7 +36,7 @@ pub fn assumed(model: &Model, records: &[Record], reading: &Reading) -> Vec<Stri
             said.push(format!(
                 "the start intervals of the model file hold at t = {} s, the first sample from {from} s on \
                  (--from)",
-                record.first()
+                show_time(record.first())
             ));
         }
     }

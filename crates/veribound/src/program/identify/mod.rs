@@ -126,7 +126,7 @@ impl Prepared {
             input.within.is_some() || !error.absolute.is_zero() || !error.relative.is_zero()
         };
         if arguments.least_disturbance && !model.inputs.iter().any(is_uncertain) {
-            return Err(nothing_uncertain().into());
+            return Err(nothing_uncertain(&model).into());
         }
         let data = Data::read(sources, &model, &arguments.reading, bar)?;
         said.extend(reading::assumed(&model, &data.records, &arguments.reading));
@@ -272,11 +272,36 @@ fn or_prior(found: &[Bounds], priors: impl Iterator<Item = Interval>) -> Vec<Bou
         .collect()
 }
 
-fn nothing_uncertain() -> Diagnostic {
+/// What the verdict tells of the least errors: as declared they are enough where something agrees, and too small where
+/// nothing does.
+fn with_verdict(mut least: LeastError, identified: &Identified) -> LeastError {
+    let told = match identified.conclusion {
+        Conclusion::Consistent => Interval::new(0.0, 1.0),
+        Conclusion::Inconsistent(_) => Interval::new(1.0, f64::INFINITY),
+        Conclusion::Undecided => None,
+    };
+    let factor = told.map(|told| least.factor.intersect(told));
+    if let Some(factor) = factor.filter(|factor| !factor.is_empty()) {
+        if factor.hi() < least.factor.hi() {
+            least.point = identified.points.first().cloned();
+        }
+        least.factor = factor;
+    }
+    least
+}
+
+fn nothing_uncertain(model: &Model) -> Diagnostic {
     let message =
         "no input has an error, and there is no disturbance, whose least size could be told";
-    Diagnostic::new("E0617", message)
-        .help("declare one, as with `--input-error u=1%`, or leave out `--least-disturbance`")
+    let how = match model.recorded_inputs().next() {
+        Some(input) => format!("with `--input-error {}=1%`", input.name),
+        None => {
+            "a `[disturbances]` section with `d = [-0.1, 0.1]`, and `d` in an equation".to_owned()
+        }
+    };
+    Diagnostic::new("E0617", message).help(format!(
+        "declare one, as {how}, or leave out `--least-disturbance`"
+    ))
 }
 
 /// Lets the estimator work.
@@ -310,12 +335,16 @@ fn find(
     // Who reads that nothing agrees asks how far it is from that.
     let is_refuted = matches!(identified.conclusion, Conclusion::Inconsistent(_));
     let is_asked = (is_refuted || arguments.least_error) && !identified.interrupted;
-    let least = is_asked.then(|| least_error(model, &data.samples, &options, go_on));
+    let least = is_asked.then(|| {
+        let least = least_error(model, &data.samples, &options, go_on);
+        with_verdict(least, &identified)
+    });
     let mut disturbed = None;
     if arguments.least_disturbance && !identified.interrupted {
-        disturbed = least_disturbance(model, &data.samples, &options, go_on);
+        disturbed = least_disturbance(model, &data.samples, &options, go_on)
+            .map(|least| with_verdict(least, &identified));
         if disturbed.is_none() {
-            return Err(nothing_uncertain());
+            return Err(nothing_uncertain(model));
         }
     }
     Ok(Findings {
@@ -353,6 +382,34 @@ pub fn in_words(standing: &Progress) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_agrees_needs_no_larger_errors_than_declared() {
+        let open = LeastError {
+            factor: Interval::new(0.9, f64::INFINITY).unwrap(),
+            point: None,
+            sets: 1,
+            passes: 1,
+            interrupted: false,
+        };
+        let found = told::tests::found();
+        let known = with_verdict(open.clone(), &found.identified);
+        assert_eq!(known.factor, Interval::new(0.9, 1.0).unwrap());
+        assert_eq!(known.point.as_ref(), found.identified.points.first());
+        assert!(known.point.is_some());
+        let mut refuted = found.identified;
+        refuted.conclusion = Conclusion::Undecided;
+        assert_eq!(with_verdict(open.clone(), &refuted), open);
+        refuted.conclusion = Conclusion::Inconsistent(veribound_estimate::identify::Refuted {
+            record: 0,
+            samples: Vec::new(),
+            time: veribound_interval::Decimal::zero(),
+            line: 1,
+        });
+        let known = with_verdict(open, &refuted);
+        assert_eq!(known.factor, Interval::new(1.0, f64::INFINITY).unwrap());
+        assert_eq!(known.point, None);
+    }
 
     #[test]
     fn a_line_says_where_it_stands() {

@@ -59,8 +59,9 @@ pub fn page(material: &Material<'_>, data: &Data, found: &Findings) -> Result<Pa
         ("passes through a record", &["work", "passes"]),
         ("points proved to agree", &["points"]),
     ];
-    if !identified.tiles.is_empty() {
-        facts.extend::<[(&str, &[&str]); 3]>([
+    let is_refuted = matches!(identified.conclusion, Conclusion::Inconsistent(_));
+    if !identified.tiles.is_empty() && !is_refuted {
+        facts.extend::<[(&str, &[&str]); 5]>([
             ("tiles", &["paving", "tiles"]),
             (
                 "inside, share of the outer box at least",
@@ -70,6 +71,11 @@ pub fn page(material: &Material<'_>, data: &Data, found: &Findings) -> Result<Pa
                 "undecided, share of the outer box at most",
                 &["paving", "undecided"],
             ),
+            (
+                "volume of what agrees at least",
+                &["paving", "volume", "lo"],
+            ),
+            ("volume of what agrees at most", &["paving", "volume", "hi"]),
         ]);
     }
     page.after.insert(0, material.cost(&facts));
@@ -89,7 +95,11 @@ fn sentences(data: &Data, found: &Findings) -> Vec<String> {
                 .to_owned(),
             format!("Proved: {}.", refuted_by(data, refuted)),
         ],
-        _ => vec![
+        Conclusion::Undecided => vec![
+            "Outer bounds hold every value that agrees with model and records, if any does: that is not proved."
+                .to_owned(),
+        ],
+        Conclusion::Consistent => vec![
             "Outer bounds hold every value that agrees with model and records. Both ends of the inner ones are proved \
              to be reached, so nobody can prove narrower bounds than those from these records."
                 .to_owned(),

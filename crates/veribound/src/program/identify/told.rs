@@ -131,7 +131,7 @@ fn missing(data: &Data) -> Vec<(String, usize)> {
 }
 
 /// The volumes of the tiles inside and of those undecided, as shares of the outer box; parameters that are known
-/// exactly do not count.
+/// exactly do not count, nor does what of a tile is proved to lie outside of that box.
 fn shares(model: &Model, found: &Findings) -> [Interval; 2] {
     let outer: Vec<Interval> = found.params(model).iter().map(|both| both.outer).collect();
     let width = |x: Interval| Interval::point(x.hi()) - Interval::point(x.lo());
@@ -149,12 +149,14 @@ fn shares(model: &Model, found: &Findings) -> [Interval; 2] {
                 share / width(*whole)
             });
         }
-        let widths = tile
-            .params
-            .iter()
-            .zip(&outer)
-            .filter(|(_, whole)| whole.lo() < whole.hi());
-        widths.fold(Interval::ONE, |share, (part, whole)| {
+        let parts = { tile.params.iter().zip(&outer) }
+            .map(|(part, whole)| (part.intersect(*whole), *whole));
+        let parts: Vec<(Interval, Interval)> = parts.collect();
+        if parts.iter().any(|(part, _)| part.is_empty()) {
+            return Interval::ZERO;
+        }
+        let wide = parts.iter().filter(|(_, whole)| whole.lo() < whole.hi());
+        wide.fold(Interval::ONE, |share, (part, whole)| {
             share * (width(*part) / width(*whole))
         })
     };
@@ -208,7 +210,9 @@ pub fn bounds(model: &Model, data: &Data, found: &Findings) -> String {
     if let Some(least) = &found.least_disturbance {
         let _ = writeln!(out, "  {}", least_in_words(DISTURBED, least));
     }
-    if !identified.tiles.is_empty() {
+    // Where nothing agrees there is no outer box.
+    let is_refuted = matches!(identified.conclusion, Conclusion::Inconsistent(_));
+    if !identified.tiles.is_empty() && !is_refuted {
         let [inside, undecided] = shares(model, found);
         let _ = writeln!(
             out,
@@ -287,7 +291,7 @@ fn push_bounds(out: &mut String, model: &Model, data: &Data, found: &Findings) {
             name.to_owned(),
             show_prior(prior),
             show_inside(both.outer, prior),
-            show_reached(both.inner),
+            show_reached(both.inner, both.tightness()),
             show_times(both.tightness()),
             unit.to_owned(),
             limit.to_owned(),
@@ -546,6 +550,9 @@ pub(super) mod tests {
         assert!(told.contains("points.csv, paving.csv, run.toml"), "{told}");
         let line = "  volume of what agrees: at least 0.25, at most 2.5\n";
         assert!(told.contains(line), "{told}");
+        // What lies outside of the outer box is proved not to agree.
+        found.identified.tiles[2] = tile(2.75, 4.0, Status::Undecided);
+        assert!(shares(&model(), &found)[1].hi() < 0.125_001);
         // No bounds, no shares.
         found.identified.params[0].outer = Interval::ENTIRE;
         let [inside, undecided] = shares(&model(), &found);

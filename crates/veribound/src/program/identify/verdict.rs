@@ -39,7 +39,8 @@ pub fn refuted_by(data: &Data, refuted: &Refuted) -> String {
     let name = data.name(refuted.record);
     let lines = data.lines(refuted.record, &refuted.samples);
     let by = match lines.as_slice() {
-        [] | [_] => String::new(),
+        [] => String::new(),
+        [_] => "; this line refutes alone".to_owned(),
         lines => format!("; {} refute together", these(lines)),
     };
     format!(
@@ -91,12 +92,13 @@ pub fn explain(model: &Model, data: &Data, found: &Findings, at_length: bool) {
 fn inconsistent(model: &Model, data: &Data, refuted: &Refuted) -> Diagnostic {
     let problem = Diagnostic::new("E0301", format!("{NOTHING_EXPLAINS} (proved)"));
     let label = format!(
-        "t = {} s: read up to here, the record refutes",
+        "t = {} s: read up to here, the record refutes the model",
         show_time(&refuted.time)
     );
     let label = match data.lines(refuted.record, &refuted.samples).as_slice() {
-        [] | [_] => format!("{label} the model"),
-        lines => format!("{label} the model, by {} together", these(lines)),
+        [] => label,
+        [_] => format!("{label}, by this line alone"),
+        lines => format!("{label}, by {} together", these(lines)),
     };
     let problem = match data.records.get(refuted.record) {
         Some(record) => at_line(problem, record, refuted.line, label),
@@ -117,7 +119,7 @@ fn inconsistent(model: &Model, data: &Data, refuted: &Refuted) -> Diagnostic {
 fn undecided(found: &Findings) -> Diagnostic {
     let message = "it is not proved whether any parameters agree with the record";
     let help = if found.identified.limits.contains(&Limit::Enclosure) {
-        "narrow the priors or start intervals, or read less of the record (`--until`); the bounds hold as \
+        "narrow the priors or start intervals, or read less of the record (`--to`); the bounds hold as \
          they are"
     } else if found.identified.limits.contains(&Limit::Inputs) {
         "smaller errors of inputs, or such that stay the same for a while (`hold`), tell more; the bounds hold as they are"
@@ -165,6 +167,10 @@ mod tests {
         );
         assert_eq!(
             refuted_by(&data, &refuted(&[3])),
+            format!("nothing agrees with {path} up to t = 0.3 s (line 5); this line refutes alone")
+        );
+        assert_eq!(
+            refuted_by(&data, &refuted(&[])),
             format!("nothing agrees with {path} up to t = 0.3 s (line 5)")
         );
     }
@@ -190,7 +196,7 @@ mod tests {
         let said = Diagnostics::from(undecided(&found)).render(false);
         let wanted = "error[E0303]: it is not proved whether any parameters agree with the record: solutions \
             could not be enclosed to the end of the record\n |\n = help: narrow the priors or start intervals, or \
-            read less of the record (`--until`); the bounds hold as they are\n";
+            read less of the record (`--to`); the bounds hold as they are\n";
         assert_eq!(said, wanted);
         found.identified.interrupted = true;
         assert_eq!(
