@@ -162,9 +162,14 @@ fn shares(model: &Model, found: &Findings) -> [Interval; 2] {
     };
     [Status::Inside, Status::Undecided].map(|status| {
         let tiles = found.identified.tiles.iter();
-        tiles
+        let sum = tiles
             .filter(|tile| tile.status == status)
-            .fold(Interval::ZERO, |sum, tile| sum + share(tile))
+            .fold(Interval::ZERO, |sum, tile| sum + share(tile));
+        // No part is more than all of it, whatever rounding and turned tiles that reach out add.
+        match Interval::new(0.0, 1.0).map(|whole| sum.intersect(whole)) {
+            Some(part) if sum.is_bounded() && !part.is_empty() => part,
+            _ => sum,
+        }
     })
 }
 
