@@ -124,6 +124,8 @@ pub enum Reason {
         /// Position of their frame.
         frame: usize,
     },
+    /// It lies outside of the proved bounds of the parameters.
+    Bounds,
 }
 
 /// Where a tile lies along other axes than those of the parameters.

@@ -790,7 +790,9 @@ impl<'a> Search<'a> {
         share: f64,
         keep: &Keep<'_>,
     ) -> Paved {
-        let mut paving = Paving::new(problem, begun, share);
+        let params = self.problem.told_params().into_iter();
+        let outer: Vec<Interval> = params.map(|at| self.outer(at)).collect();
+        let mut paving = Paving::new(problem, begun, share, &outer);
         let sets = self.options.sets.saturating_mul(TILES_PER_SET);
         let limits = (sets, self.options.memory);
         let save = |state: &pave::State| (keep.save)(&|| self.saved(Some(state)));

@@ -38,6 +38,40 @@ pub(super) struct Function {
     pub(super) values: Vec<[f64; 2]>,
 }
 
+impl Function {
+    /// The same for every stretch, where its own are groups of these in a row, each with the first of its positions.
+    pub(super) fn apart(&self, a: f64, groups: &[(usize, Vec<Push>)]) -> Function {
+        let groups = &groups[self.from..][..self.values.len()];
+        let mut values = Vec::new();
+        for ((_, group), [begin, end]) in groups.iter().zip(&self.values) {
+            let whole: f64 = group.iter().map(|push| push.dt).sum();
+            // `ψ' + a ψ` is constant.
+            let value = |time: f64| {
+                let z = -a * whole;
+                let share = if z.abs() < 1e-9 {
+                    time / whole
+                } else {
+                    (-a * time).exp_m1() / z.exp_m1()
+                };
+                begin + (end - begin) * share
+            };
+            let mut time = 0.0;
+            let mut before = *begin;
+            for (position, push) in group.iter().enumerate() {
+                time += push.dt;
+                let is_last = position + 1 == group.len();
+                let after = if is_last { *end } else { value(time) };
+                values.push([before, after]);
+                before = after;
+            }
+        }
+        Function {
+            from: groups.first().map_or(0, |group| group.0),
+            values,
+        }
+    }
+}
+
 /// A corner of a polygon, and where the edge to the next one is the side of a sample's box, what is normal to that.
 #[derive(Debug, Clone, Copy)]
 struct Corner {
@@ -153,6 +187,20 @@ fn widened(known: &Known) -> Known {
 }
 
 impl Push {
+    /// Some in a row as one; nothing where there are none.
+    pub(super) fn together(pushes: &[Push]) -> Option<Push> {
+        let (first, more) = pushes.split_first()?;
+        Some(more.iter().fold(*first, |all, push| {
+            let dt = all.dt + push.dt;
+            let mean = |own: f64, other: f64| (all.dt * own + push.dt * other) / dt;
+            Push {
+                dt,
+                least: mean(all.least, push.least),
+                most: mean(all.most, push.most),
+            }
+        }))
+    }
+
     /// Moves a polygon along a stretch: by the flow, and by all pushes.
     fn moved(&self, polygon: &[Corner], flow: &Flow, moved: &mut Vec<Corner>) {
         let n = polygon.len();

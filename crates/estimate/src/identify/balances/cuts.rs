@@ -32,7 +32,7 @@ const BEST: usize = 8;
 
 /// Functions are such that they refute a point also if states were known that much worse, the first of these shares where some do:
 /// what refutes a point by little refutes no others.
-const MARGINS: [f64; 6] = [1.0, 0.5, 0.25, 0.12, 0.06, 0.0];
+const MARGINS: [f64; 3] = [0.5, 0.1, 0.0];
 
 /// So many points of a region are refuted before a stop is taken to be where it is asked about,
 const TRIALS: usize = 6;

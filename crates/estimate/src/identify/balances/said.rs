@@ -15,6 +15,9 @@ use veribound_flow::balance::{FromCorner, FromCorners};
 use veribound_flow::{Acting, ModeSet};
 use veribound_interval::Interval;
 
+/// Functions are looked for among so many pushes at most: those of stretches of a long record are taken together.
+const MOST_PUSHES: usize = 4096;
+
 /// A function `ψ`, made for parameters of one phase and this value of `A`.
 pub(super) struct Window {
     phase: usize,
@@ -156,6 +159,7 @@ impl Track {
             is_bounded.then(|| [wider(node.0), wider(node.1)])
         };
         let known: Vec<Option<Known>> = self.nodes_with(choices).iter().map(known).collect();
+        let together = within.len().div_ceil(MOST_PUSHES).max(1);
         let mut windows = Vec::new();
         let Range {
             start: mut from,
@@ -166,42 +170,44 @@ impl Track {
                 from += 1;
                 continue;
             };
-            let (mut nodes, mut pushes) = (Vec::new(), Vec::new());
-            nodes.extend(known[from]);
-            for (k, next) in (from..end).zip(&known[from + 1..]) {
+            let push = |k: usize| {
                 let stretch = self.stretches[k].as_ref();
-                let push = stretch.filter(|stretch| stretch.phase == phase);
-                let push = push.and_then(|stretch| {
-                    let [rest, _] = &rests.all[rests.of[k]?];
-                    Some(Push {
-                        dt: stretch.dt.mid(),
-                        least: rest.at.lo(),
-                        most: rest.at.hi(),
-                    })
-                });
-                match (push, next, nodes.is_empty()) {
-                    (Some(push), Some(next), false) => {
-                        pushes.push(push);
-                        nodes.push(*next);
-                    }
-                    _ => break,
-                }
+                let stretch = stretch.filter(|stretch| stretch.phase == phase)?;
+                let [rest, _] = &rests.all[rests.of[k]?];
+                Some(Push {
+                    dt: stretch.dt.mid(),
+                    least: rest.at.lo(),
+                    most: rest.at.hi(),
+                })
+            };
+            // Stretches in a row are one push, until what follows is not known.
+            let (mut nodes, mut pushes, mut groups) = (Vec::new(), Vec::new(), Vec::new());
+            nodes.extend(known[from]);
+            let mut at = from;
+            while at < end && !nodes.is_empty() {
+                let group = (at..end.min(at + together)).map_while(push);
+                let group: Vec<Push> = group.collect();
+                let next = at + group.len();
+                let (Some(push), Some(node)) = (Push::together(&group), known[next]) else {
+                    break;
+                };
+                pushes.push(push);
+                nodes.push(node);
+                groups.push((at, group));
+                at = next;
             }
             if let (Some([factor, _]), false) =
                 (self.balance.factor(&params[phase]), pushes.is_empty())
             {
                 let near = factor.at.mid();
                 let functions = refuting(near, &nodes, &pushes).into_iter();
-                windows.extend(functions.map(|mut function| {
-                    function.from += from;
-                    Window {
-                        phase,
-                        near,
-                        function,
-                    }
+                windows.extend(functions.map(|function| Window {
+                    phase,
+                    near,
+                    function: function.apart(near, &groups),
                 }));
             }
-            from += pushes.len().max(1);
+            from = at.max(from + 1);
         }
         windows
     }

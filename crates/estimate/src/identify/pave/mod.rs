@@ -82,8 +82,14 @@ fn volume(params: &[Interval]) -> f64 {
 }
 
 impl<'a> Paving<'a> {
-    /// Goes on with what was begun, or with the prior as one open tile.
-    pub(crate) fn new(problem: &'a Problem, begun: Option<State>, share: f64) -> Paving<'a> {
+    /// Goes on with what was begun, or with the prior, of which what lies outside of `outer` is closed and the rest is one open tile. These
+    /// must be bounds of all parameters that agree.
+    pub(crate) fn new(
+        problem: &'a Problem,
+        begun: Option<State>,
+        share: f64,
+        outer: &[Interval],
+    ) -> Paving<'a> {
         let is_new = begun.is_none();
         let whole = Region::of_box(&problem.believed());
         let open = problem.prior.iter().filter(|x| !x.is_point()).count();
@@ -97,9 +103,31 @@ impl<'a> Paving<'a> {
             state: begun.unwrap_or_default(),
         };
         if is_new {
-            paving.push(problem.prior.clone(), None, (None, 0), any_share());
+            paving.begin(outer);
         }
         paving
+    }
+
+    fn begin(&mut self, outer: &[Interval]) {
+        let outside = (Status::Outside, Reason::Bounds);
+        let mut rest = self.problem.prior.clone();
+        if outer.iter().any(|x| x.is_empty()) {
+            return self.close(rest, None, outside);
+        }
+        for (param, outer) in outer.iter().enumerate() {
+            // Their ends may agree.
+            let (lo, hi) = (outer.lo().next_down(), outer.hi().next_up());
+            let x = rest[param];
+            for beyond in [Interval::new(x.lo(), lo), Interval::new(hi, x.hi())] {
+                if let Some(beyond) = beyond.filter(|own| own.width() > 0.0) {
+                    let mut tile = rest.clone();
+                    tile[param] = beyond;
+                    self.close(tile, None, outside.clone());
+                }
+            }
+            rest[param] = Interval::new(x.lo().max(lo), x.hi().min(hi)).unwrap_or(x);
+        }
+        self.push(rest, None, (None, 0), any_share());
     }
 
     fn volume(&self, within: &[Interval], frame: Option<usize>) -> f64 {

@@ -145,6 +145,7 @@ pub fn reason(data: &Data, reason: &Reason) -> String {
         Reason::Samples { record, samples } => {
             format!("lines {}{} together", lines(*record, samples), of(*record))
         }
+        Reason::Bounds => "outside of the proved bounds".to_owned(),
         Reason::Met => "all samples are met".to_owned(),
         Reason::Budget => "not divided further".to_owned(),
         Reason::Needle { frame } => format!("divided along the axes of frame {}", frame + 1),
