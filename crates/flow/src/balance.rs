@@ -111,17 +111,6 @@ impl Function {
     fn bounds(&self, layout: Layout, quantities: &[Interval]) -> Option<FromCorners> {
         let first = layout.states;
         let whole = &quantities[first..first + layout.params];
-        // The box of parameters on which the slope in one of them is asked for, or none for the value at the corner.
-        let variant = |upper: bool, slope: Option<usize>| {
-            let mut box_ = quantities.to_vec();
-            for (param, x) in whole.iter().enumerate() {
-                if slope.is_none_or(|slope| param > slope) {
-                    let end = if upper { x.hi() } else { x.lo() };
-                    box_[first + param] = Interval::point(end);
-                }
-            }
-            box_
-        };
         let sides = [false, true];
         let all = sides.into_iter().flat_map(|upper| {
             let slopes = self.params.iter().map(|param| Some(*param));
@@ -136,12 +125,21 @@ impl Function {
         ];
         let (mut value, mut slopes) = (self.value.registers(), self.slopes.registers());
         for part in all.chunks(LANES) {
-            let boxes: Vec<Vec<Interval>> = part
-                .iter()
-                .map(|(upper, slope)| variant(*upper, *slope))
-                .collect();
+            // Of the box on which the slope in a parameter is asked for, or of the corner for the value there.
             let lane = |quantity: usize| {
-                Interval8::from_fn(|lane| boxes.get(lane).unwrap_or(&boxes[0])[quantity])
+                let x = quantities[quantity];
+                let param = quantity.checked_sub(first).filter(|own| *own < whole.len());
+                let Some(param) = param else {
+                    return Interval8::splat(x);
+                };
+                Interval8::from_fn(|lane| {
+                    let (upper, slope) = part.get(lane).unwrap_or(&part[0]);
+                    if slope.is_some_and(|slope| param <= slope) {
+                        x
+                    } else {
+                        Interval::point(if *upper { x.hi() } else { x.lo() })
+                    }
+                })
             };
             let eight: Vec<Interval8> = (0..quantities.len()).map(lane).collect();
             let is_continuous = self.value.eval(&eight, &mut value).is_continuous();

@@ -14,7 +14,7 @@ use super::super::pass::contract;
 use super::super::region::Region;
 use super::super::rows::Rows;
 use super::super::simplex::{Program, Side, deepest};
-use super::said::{View, Window};
+use super::said::{Posed, View, Window};
 use super::track::{Choices, Track};
 use veribound_interval::Interval;
 
@@ -106,8 +106,11 @@ impl Cuts<'_> {
 
     /// Takes the best functions of those whose rows refute a point; whether there are any.
     fn refute(&mut self, point: &[f64]) -> bool {
+        let pairs = self.tracks.iter().zip(&self.choices);
+        let posed = pairs.map(|(track, own)| track.posed((&self.region, point), own, track.all()));
+        let posed: Vec<Posed<'_>> = posed.collect();
         for (level, margin) in MARGINS.iter().enumerate().skip(self.level) {
-            if self.refute_by(point, *margin) {
+            if self.refute_by((point, &posed), *margin) {
                 self.level = level.saturating_sub(1);
                 return true;
             }
@@ -116,12 +119,10 @@ impl Cuts<'_> {
         false
     }
 
-    fn refute_by(&mut self, point: &[f64], margin: f64) -> bool {
+    fn refute_by(&mut self, (point, posed): (&[f64], &[Posed<'_>]), margin: f64) -> bool {
         let mut all = Vec::new();
-        for (position, track) in self.tracks.iter().enumerate() {
-            let at = (&self.region, point);
-            let within = track.all();
-            for window in track.refuting(at, &self.choices[position], within, margin) {
+        for (position, (track, posed)) in self.tracks.iter().zip(posed).enumerate() {
+            for window in posed.refuting(margin) {
                 let mut rows = Rows::new(self.region.axes());
                 let at = (&self.region, &self.views[position]);
                 let bent = track.say(&window, at, &mut rows);
@@ -194,7 +195,8 @@ impl Cuts<'_> {
             if depth < 0.0 && contract(&rows).is_err() {
                 return false;
             }
-            let found = track.refuting((&self.region, &point), &choices, around.clone(), 0.0);
+            let found = track.posed((&self.region, &point), &choices, around.clone());
+            let found = found.refuting(0.0);
             if found.is_empty() {
                 return true;
             }

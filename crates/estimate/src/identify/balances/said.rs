@@ -46,6 +46,16 @@ struct Rests {
     of: Vec<Option<usize>>,
 }
 
+/// A point of a region, and what is known there.
+pub(super) struct Posed<'a> {
+    track: &'a Track,
+    /// Values of parameters in each phase.
+    params: Vec<Vec<Interval>>,
+    rests: Rests,
+    nodes: Vec<(Interval, Interval)>,
+    within: Range<usize>,
+}
+
 /// What a function says.
 struct Told {
     /// What is zero for true parameters, as functions of these.
@@ -78,12 +88,12 @@ impl Track {
         View {
             phases: params.iter().map(phase).collect(),
             nodes: self.nodes_with(choices),
-            rests: self.rests(&params, choices),
+            rests: self.rests(&params, choices, self.all()),
         }
     }
 
-    /// Bounds of `r` with these parameters in each phase.
-    fn rests(&self, params: &[Vec<Interval>], choices: &Choices) -> Rests {
+    /// Bounds of `r` with these parameters in each phase, over some stretches.
+    fn rests(&self, params: &[Vec<Interval>], choices: &Choices, within: Range<usize>) -> Rests {
         let mut parts = vec![Part::Open; self.stretches.len()];
         for (stop, choice) in self.stops.iter().zip(choices) {
             for k in stop.stretches.clone() {
@@ -95,7 +105,8 @@ impl Track {
             of: vec![None; self.stretches.len()],
         };
         let mut last = None;
-        for (k, part) in parts.into_iter().enumerate() {
+        for (k, part) in within.clone().zip(&parts[within]) {
+            let part = *part;
             let Some(stretch) = &self.stretches[k] else {
                 continue;
             };
@@ -129,15 +140,13 @@ impl Track {
         rests
     }
 
-    /// Functions over some stretches that refute a point of a region, if stops are where they may be by choice, also where what is known of
-    /// states had this share more of its width.
-    pub(super) fn refuting(
+    /// A point of a region over some stretches, if stops are where they may be by choice.
+    pub(super) fn posed(
         &self,
         (region, point): (&Region, &[f64]),
         choices: &Choices,
         within: Range<usize>,
-        margin: f64,
-    ) -> Vec<Window> {
+    ) -> Posed<'_> {
         let at = |value: &usize| {
             let slopes = region.axes[*value].iter().zip(point);
             let off: f64 = slopes.map(|(slope, x)| slope * x).sum();
@@ -148,68 +157,13 @@ impl Track {
             .iter()
             .map(|values| values.iter().map(at).collect());
         let params: Vec<Vec<Interval>> = params.collect();
-        let rests = self.rests(&params, choices);
-        let known = |node: &(Interval, Interval)| {
-            let is_bounded = node.0.is_bounded() && node.1.is_bounded();
-            let wider = |x: Interval| {
-                let (middle, radius) = x.mid_rad();
-                let radius = (1.0 + margin) * radius;
-                [middle - radius, middle + radius]
-            };
-            is_bounded.then(|| [wider(node.0), wider(node.1)])
-        };
-        let known: Vec<Option<Known>> = self.nodes_with(choices).iter().map(known).collect();
-        let together = within.len().div_ceil(MOST_PUSHES).max(1);
-        let mut windows = Vec::new();
-        let Range {
-            start: mut from,
-            end,
-        } = within;
-        while from < end {
-            let Some(phase) = self.stretches[from].as_ref().map(|stretch| stretch.phase) else {
-                from += 1;
-                continue;
-            };
-            let push = |k: usize| {
-                let stretch = self.stretches[k].as_ref();
-                let stretch = stretch.filter(|stretch| stretch.phase == phase)?;
-                let [rest, _] = &rests.all[rests.of[k]?];
-                Some(Push {
-                    dt: stretch.dt.mid(),
-                    least: rest.at.lo(),
-                    most: rest.at.hi(),
-                })
-            };
-            // Stretches in a row are one push, until what follows is not known.
-            let (mut nodes, mut pushes, mut groups) = (Vec::new(), Vec::new(), Vec::new());
-            nodes.extend(known[from]);
-            let mut at = from;
-            while at < end && !nodes.is_empty() {
-                let group = (at..end.min(at + together)).map_while(push);
-                let group: Vec<Push> = group.collect();
-                let next = at + group.len();
-                let (Some(push), Some(node)) = (Push::together(&group), known[next]) else {
-                    break;
-                };
-                pushes.push(push);
-                nodes.push(node);
-                groups.push((at, group));
-                at = next;
-            }
-            if let (Some([factor, _]), false) =
-                (self.balance.factor(&params[phase]), pushes.is_empty())
-            {
-                let near = factor.at.mid();
-                let functions = refuting(near, &nodes, &pushes).into_iter();
-                windows.extend(functions.map(|function| Window {
-                    phase,
-                    near,
-                    function: function.apart(near, &groups),
-                }));
-            }
-            from = at.max(from + 1);
+        Posed {
+            rests: self.rests(&params, choices, within.clone()),
+            nodes: self.nodes_with(choices),
+            track: self,
+            params,
+            within,
         }
-        windows
     }
 
     fn balanced(&self, window: &Window, view: &View) -> Option<Told> {
@@ -338,6 +292,77 @@ impl Track {
             }
         }
         bent
+    }
+}
+
+impl Posed<'_> {
+    /// Functions over some stretches that refute the point, also where what is known of states had this share more of its width.
+    pub(super) fn refuting(&self, margin: f64) -> Vec<Window> {
+        let Posed {
+            track,
+            params,
+            rests,
+            nodes,
+            within,
+        } = self;
+        let known = |node: &(Interval, Interval)| {
+            let is_bounded = node.0.is_bounded() && node.1.is_bounded();
+            let wider = |x: Interval| {
+                let (middle, radius) = x.mid_rad();
+                let radius = (1.0 + margin) * radius;
+                [middle - radius, middle + radius]
+            };
+            is_bounded.then(|| [wider(node.0), wider(node.1)])
+        };
+        let known: Vec<Option<Known>> = nodes.iter().map(known).collect();
+        let together = within.len().div_ceil(MOST_PUSHES).max(1);
+        let mut windows = Vec::new();
+        let (mut from, end) = (within.start, within.end);
+        while from < end {
+            let Some(phase) = track.stretches[from].as_ref().map(|stretch| stretch.phase) else {
+                from += 1;
+                continue;
+            };
+            let push = |k: usize| {
+                let stretch = track.stretches[k].as_ref();
+                let stretch = stretch.filter(|stretch| stretch.phase == phase)?;
+                let [rest, _] = &rests.all[rests.of[k]?];
+                Some(Push {
+                    dt: stretch.dt.mid(),
+                    least: rest.at.lo(),
+                    most: rest.at.hi(),
+                })
+            };
+            // Stretches in a row are one push, until what follows is not known.
+            let (mut nodes, mut pushes, mut groups) = (Vec::new(), Vec::new(), Vec::new());
+            nodes.extend(known[from]);
+            let mut at = from;
+            while at < end && !nodes.is_empty() {
+                let group = (at..end.min(at + together)).map_while(push);
+                let group: Vec<Push> = group.collect();
+                let next = at + group.len();
+                let (Some(push), Some(node)) = (Push::together(&group), known[next]) else {
+                    break;
+                };
+                pushes.push(push);
+                nodes.push(node);
+                groups.push((at, group));
+                at = next;
+            }
+            if let (Some([factor, _]), false) =
+                (track.balance.factor(&params[phase]), pushes.is_empty())
+            {
+                let near = factor.at.mid();
+                let functions = refuting(near, &nodes, &pushes).into_iter();
+                windows.extend(functions.map(|function| Window {
+                    phase,
+                    near,
+                    function: function.apart(near, &groups),
+                }));
+            }
+            from = at.max(from + 1);
+        }
+        windows
     }
 }
 
