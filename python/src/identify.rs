@@ -164,7 +164,7 @@ impl Found {
             };
             let entry = told.to_python(py)?;
             entry.set_item("inner", both.inner.map(ends))?;
-            entry.set_item("inner_shown", show_reached(both.inner))?;
+            entry.set_item("inner_shown", show_reached(both.inner, both.tightness()))?;
             entry.set_item("tightness", both.tightness())?;
             entry.set_item("tightness_shown", show_times(both.tightness()))?;
             list.append(entry)?;

@@ -133,7 +133,7 @@ pub fn ends(x: Interval) -> (f64, f64) {
 pub fn shown(lo: f64, hi: f64, inward: bool) -> String {
     let bounds = Interval::new(lo, hi).unwrap_or(Interval::EMPTY);
     if inward {
-        show_reached(Some(bounds))
+        show_reached(Some(bounds), 1.0)
     } else {
         show(bounds)
     }
