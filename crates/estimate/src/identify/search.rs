@@ -351,15 +351,27 @@ impl<'a> Search<'a> {
             }
             Job::Middle(cell, reach) => {
                 looked = *reach;
-                let point = cell.deepest().0;
-                match self.problem.fit(&cell.region, &point, 1.0, go_on) {
+                let around = |point: &[f64]| match self.problem.fit(&cell.region, point, 1.0, go_on)
+                {
                     // It agrees; the question is how much around it is proved.
                     Some(fitted) => (0..TRIES).find_map(|nearer| {
                         let reaches = cell.reaches(reach * NEARER.powi(nearer));
                         let probed = probe(&cell.region, &fitted, &reaches);
                         probed.filter(|(_, points)| !points.is_empty())
                     }),
-                    None => probe(&cell.region, &point, &cell.reaches(*reach)),
+                    None => probe(&cell.region, point, &cell.reaches(*reach)),
+                };
+                let deepest = around(&cell.deepest().0);
+                if deepest
+                    .as_ref()
+                    .is_some_and(|(_, points)| !points.is_empty())
+                {
+                    deepest
+                } else {
+                    // Where rows say little, and nothing of products, their deepest point is anywhere.
+                    let middle: Vec<f64> = cell.part.iter().map(|x| x.mid()).collect();
+                    let middle = around(&middle).filter(|(_, points)| !points.is_empty());
+                    middle.or(deepest)
                 }
             }
         };
