@@ -4,6 +4,7 @@
     reason = "PROOF: one stretch between two samples, lists as long as those of the model"
 )]
 
+use std::cell::Cell;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -432,9 +433,9 @@ impl Problem {
         let count = whole
             .get(found.record)
             .map_or(0, |course| course.instants.len());
-        let mut left = MOST_PROOFS;
+        let left = Cell::new(MOST_PROOFS);
         let mut refutes = |kept: &[usize]| {
-            left = left.saturating_sub(1);
+            left.set(left.get().saturating_sub(1));
             let courses = whole.iter().enumerate();
             let only = courses.map(|(position, course)| {
                 let is_kept = |sample| position == found.record && kept.contains(&sample);
@@ -442,7 +443,8 @@ impl Problem {
             });
             self.courses = only.collect();
             let prior = Region::of_box(&self.believed());
-            left > 0 && go_on() && self.refine(prior, Known::default(), true, go_on).is_err()
+            let goes_on = left.get() > 0 && go_on();
+            goes_on && self.refine(prior, Known::default(), true, go_on).is_err()
         };
         let all: Vec<usize> = (0..count).collect();
         let begin = [found.samples, all]
@@ -452,7 +454,8 @@ impl Problem {
             needed(&mut refutes, &[], false, &samples)
         });
         kept.sort_unstable();
-        // What is left when the budget is spent may be too much, and too many are no help.
+        // What is left when the budget is spent may be too much, and too many are no help; this proof is beyond it.
+        left.set(left.get().max(2));
         if kept.len() > MOST_NAMED || !refutes(&kept) {
             kept.clear();
         }
