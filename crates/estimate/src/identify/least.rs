@@ -24,8 +24,8 @@ const NEAR: f64 = 1.05;
 const LARGEST: f64 = 1e9;
 
 /// Factors that are tried below the one of a point, the first as share of that.
-const TRIES: usize = 3;
-const FIRST: f64 = 0.2;
+const TRIES: usize = 2;
+const FIRST: f64 = 0.3;
 
 /// The least factor of all measurement errors with which `model` agrees with all `records`, from both sides. Inputs and
 /// signals are taken as they are.
