@@ -69,7 +69,7 @@ fn the_hull_and_the_area_of_two_exponentials() {
     let options = IdentifyOptions {
         tightness: 1.000_001,
         sets: 600,
-        undecided: Some(0.02),
+        undecided: Some(0.015),
         ..IdentifyOptions::default()
     };
     let found = run(&model, &[two_exponentials()], &options);
@@ -97,7 +97,7 @@ fn the_hull_and_the_area_of_two_exponentials() {
     assert!(inside <= exact && exact <= inside + undecided);
     let volume = found.volume.unwrap();
     assert!(
-        volume.contains(exact) && volume.width() < 0.003 * exact,
+        volume.contains(exact) && volume.width() < 0.002 * exact,
         "{volume}"
     );
     println!("{volume} {} frames", found.frames.len());

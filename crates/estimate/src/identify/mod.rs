@@ -79,10 +79,8 @@ pub fn resume(
             if !problem.is_upright() {
                 problem = Problem::upright(model, records);
             }
-            {
-                let told = problem.told_before();
-                Some(narrowed(&mut problem, (model, records), told, &keep))
-            }
+            let told = problem.told_before();
+            Some(narrowed(&mut problem, (model, records), told, &keep))
         } else {
             None
         };
@@ -113,9 +111,6 @@ pub fn resume(
         };
         let standing = search.progress();
         let mut found = search.answer(tiles);
-        found.volume = found
-            .volume
-            .map(|volume| in_outer_box(model, &found.params, volume));
         if let Conclusion::Inconsistent(refuted) = found.conclusion {
             found.conclusion = problem.confirm(refuted, &|| keep.goes_on(&standing));
             found.interrupted |= keep.has_ended();
@@ -123,20 +118,6 @@ pub fn resume(
         Ok(found)
     };
     on_threads(options.threads, work)
-}
-
-/// The volume of what agrees, which is not larger than that of the outer box; parameters that are known do not count.
-fn in_outer_box(model: &Model, params: &[Bounds], volume: Interval) -> Interval {
-    if params.len() != model.params.len() || params.iter().any(|both| both.outer.is_empty()) {
-        return volume;
-    }
-    let open = model.params.iter().zip(params);
-    let open = open.filter(|(param, _)| !param.bounds.is_point());
-    let whole = open.fold(Interval::ONE, |product, (_, both)| {
-        product * (Interval::point(both.outer.hi()) - Interval::point(both.outer.lo()))
-    });
-    let within = Interval::new(0.0, whole.hi()).map(|within| volume.intersect(within));
-    within.filter(|within| !within.is_empty()).unwrap_or(volume)
 }
 
 /// Whom a search tells how far it is.

@@ -4,7 +4,6 @@
     reason = "PROOF: one stretch between two samples, lists as long as those of the model"
 )]
 
-use std::cell::Cell;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -433,9 +432,7 @@ impl Problem {
         let count = whole
             .get(found.record)
             .map_or(0, |course| course.instants.len());
-        let left = Cell::new(MOST_PROOFS);
         let mut refutes = |kept: &[usize]| {
-            left.set(left.get().saturating_sub(1));
             let courses = whole.iter().enumerate();
             let only = courses.map(|(position, course)| {
                 let is_kept = |sample| position == found.record && kept.contains(&sample);
@@ -443,19 +440,22 @@ impl Problem {
             });
             self.courses = only.collect();
             let prior = Region::of_box(&self.believed());
-            let goes_on = left.get() > 0 && go_on();
-            goes_on && self.refine(prior, Known::default(), true, go_on).is_err()
+            go_on() && self.refine(prior, Known::default(), true, go_on).is_err()
+        };
+        let mut left = MOST_PROOFS;
+        let mut tries = |kept: &[usize]| {
+            left = left.saturating_sub(1);
+            left > 0 && refutes(kept)
         };
         let all: Vec<usize> = (0..count).collect();
         let begin = [found.samples, all]
             .into_iter()
-            .find(|samples| refutes(samples));
+            .find(|samples| tries(samples));
         let mut kept = begin.map_or(Vec::new(), |samples| {
-            needed(&mut refutes, &[], false, &samples)
+            needed(&mut tries, &[], false, &samples)
         });
         kept.sort_unstable();
-        // What is left when the budget is spent may be too much, and too many are no help; this proof is beyond it.
-        left.set(left.get().max(2));
+        // What is left when all tries are spent may be too much, and too many are no help.
         if kept.len() > MOST_NAMED || !refutes(&kept) {
             kept.clear();
         }

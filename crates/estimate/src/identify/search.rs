@@ -283,6 +283,7 @@ impl<'a> Search<'a> {
 
     fn look_at(&self, job: &Job, go_on: &GoOn<'_>) -> Outcome {
         let wanted: Vec<Told> = self.wanted.iter().map(|at| self.told[*at]).collect();
+        let proves = |(_, points): &(Cell, Vec<Vec<f64>>)| !points.is_empty();
         let probe = |region: &Region, point: &[f64], reaches: &[f64]| {
             let cell = self.problem.probe(region, point, reaches, go_on)?;
             let points = cell.points(&wanted);
@@ -325,10 +326,7 @@ impl<'a> Search<'a> {
                     for smaller in 0..tries {
                         looked = best.reach * SMALL.powi(smaller);
                         probed = probe(&best.region, &end, &vec![looked; end.len()]);
-                        if probed
-                            .as_ref()
-                            .is_some_and(|(_, points)| !points.is_empty())
-                        {
+                        if probed.as_ref().is_some_and(proves) {
                             break;
                         }
                     }
@@ -356,22 +354,17 @@ impl<'a> Search<'a> {
                     // It agrees; the question is how much around it is proved.
                     Some(fitted) => (0..TRIES).find_map(|nearer| {
                         let reaches = cell.reaches(reach * NEARER.powi(nearer));
-                        let probed = probe(&cell.region, &fitted, &reaches);
-                        probed.filter(|(_, points)| !points.is_empty())
+                        probe(&cell.region, &fitted, &reaches).filter(proves)
                     }),
                     None => probe(&cell.region, point, &cell.reaches(*reach)),
                 };
                 let deepest = around(&cell.deepest().0);
-                if deepest
-                    .as_ref()
-                    .is_some_and(|(_, points)| !points.is_empty())
-                {
+                if deepest.as_ref().is_some_and(proves) {
                     deepest
                 } else {
                     // Where rows say little, and nothing of products, their deepest point is anywhere.
                     let middle: Vec<f64> = cell.part.iter().map(|x| x.mid()).collect();
-                    let middle = around(&middle).filter(|(_, points)| !points.is_empty());
-                    middle.or(deepest)
+                    around(&middle).filter(proves).or(deepest)
                 }
             }
         };

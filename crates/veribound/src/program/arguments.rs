@@ -642,43 +642,25 @@ mod tests {
         Arguments::command().debug_assert();
     }
 
+    fn observing(flag: &str, value: &str) -> Result<Arguments, clap::Error> {
+        let typed = format!("{flag}={value}");
+        let words = ["veribound", "observe", "m.toml", "r.csv", "-o", "out"];
+        Arguments::try_parse_from(words.into_iter().chain([typed.as_str()]))
+    }
+
     /// The default is no limit: who has time may give a sample more.
     #[test]
     fn a_budget_may_be_larger_than_the_default() {
-        let more = |budget: &str| {
-            let words = [
-                "veribound",
-                "observe",
-                "m.toml",
-                "r.csv",
-                "-o",
-                "out",
-                "--budget",
-                budget,
-            ];
-            Arguments::try_parse_from(words).is_ok()
-        };
-        assert!(more("1000000000") && more("1") && !more("0") && !more("-1"));
+        let is_taken = |budget: &str| observing("--budget", budget).is_ok();
+        assert!(is_taken("1000000000") && is_taken("1") && !is_taken("0") && !is_taken("-1"));
     }
 
     /// Wherever a whole number is asked for, the message says so, and which ones there are.
     #[test]
     fn what_is_no_whole_number_is_told_what_is_expected() {
-        let said = |flag: &str, value: &str| {
-            let typed = format!("{flag}={value}");
-            let words = [
-                "veribound",
-                "observe",
-                "m.toml",
-                "r.csv",
-                "-o",
-                "out",
-                &typed,
-            ];
-            match Arguments::try_parse_from(words) {
-                Err(error) => error.to_string(),
-                Ok(_) => panic!("{typed} is taken"),
-            }
+        let said = |flag: &str, value: &str| match observing(flag, value) {
+            Err(error) => error.to_string(),
+            Ok(_) => panic!("{flag}={value} is taken"),
         };
         let counts = [
             ("--boxes", "from 1 to 1000000"),

@@ -375,3 +375,61 @@ fn held(polygon: &[Corner], direction: [f64; 2]) -> [f64; 2] {
     };
     [0, 1].map(|axis| direction[axis] - share.max(0.0) * normal[axis])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// On all stretches that were taken together `ψ' + a ψ` is the same number, and ends are what they were.
+    #[test]
+    fn functions_of_groups_are_functions_of_stretches() {
+        let push = |dt: f64, least: f64, most: f64| Push { dt, least, most };
+        let groups = [
+            (3, vec![push(0.1, 0.0, 1.0)]),
+            (
+                4,
+                vec![
+                    push(0.1, 0.0, 1.0),
+                    push(0.3, -4.0, 5.0),
+                    push(0.2, 1.0, 1.0),
+                ],
+            ),
+            (7, vec![push(0.25, 0.0, 0.0), push(0.05, 2.0, 2.0)]),
+        ];
+        let whole = Push::together(&groups[1].1).unwrap_or(groups[0].1[0]);
+        let told = [whole.dt, whole.least, whole.most];
+        let wanted = [0.6, -1.0 / 0.6, 1.8 / 0.6];
+        assert!(
+            told.iter().zip(wanted).all(|(x, y)| (x - y).abs() < 1e-12),
+            "{told:?}"
+        );
+        let own = Function {
+            from: 1,
+            values: vec![[0.5, -2.0], [3.0, 1.0]],
+        };
+        for a in [-2.5, 0.0, 4.0] {
+            let apart = own.apart(a, &groups);
+            assert_eq!((apart.from, apart.values.len()), (4, 5));
+            let mut stretches = apart.values.iter();
+            for ((_, group), [begin, end]) in groups[1..].iter().zip(&own.values) {
+                let mut before = *begin;
+                let mut constants = Vec::new();
+                for (push, [from, to]) in group.iter().zip(&mut stretches) {
+                    assert_eq!(*from, before);
+                    before = *to;
+                    let weight = if a == 0.0 {
+                        push.dt
+                    } else {
+                        -(-a * push.dt).exp_m1() / a
+                    };
+                    constants.push((to - from * (-a * push.dt).exp()) / weight);
+                }
+                assert_eq!(before, *end);
+                assert!(
+                    constants.iter().all(|c| (c - constants[0]).abs() < 1e-9),
+                    "{a}: {constants:?}"
+                );
+            }
+        }
+    }
+}

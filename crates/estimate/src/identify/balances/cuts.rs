@@ -209,10 +209,16 @@ impl Cuts<'_> {
 
     /// A point that nothing refutes.
     fn inner(&mut self) -> Option<Vec<f64>> {
-        (0..MIDDLES).find_map(|_| {
-            let (point, _) = deepest(&self.rows, &self.whole);
-            (!self.refute(&point)).then_some(point)
-        })
+        for _ in 0..MIDDLES {
+            let (point, depth) = deepest(&self.rows, &self.whole);
+            if depth < 0.0 && contract(&self.rows).is_err() {
+                break;
+            }
+            if !self.refute(&point) {
+                return Some(point);
+            }
+        }
+        None
     }
 
     /// Finds functions for both ends of every parameter, for each with so many vertices at most, and about what they leave of
